@@ -1,0 +1,36 @@
+import sys
+from pathlib import Path
+
+from snakemake.utils import min_version
+
+from workflow.catalog import Catalog
+from workflow.memory import estimate
+
+min_version("9.0")
+
+catalog = Catalog(Path(workflow.basedir), config)
+
+
+localrules:
+    scenes,
+
+
+wildcard_constraints:
+    scene=r".+",
+    quality="draft|standard|final",
+    segment=r"[0-9][0-9][0-9]+",
+    block=r"[0-9][0-9][0-9]+",
+
+
+rule scenes:
+    message:
+        "Films that can be made"
+    shell:
+        "exec {sys.executable:q} -m workflow.catalog"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/simulate.smk"
+include: "workflow/rules/reconstruct.smk"
+include: "workflow/rules/render.smk"
+include: "workflow/rules/film.smk"

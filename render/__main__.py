@@ -1,0 +1,164 @@
+"""Command line of the render stage."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from render.errors import RenderError, Unusable
+from render.job import Job
+from render.progress import Progress
+from render.spec import RenderSpec
+
+EXAMPLE = """\
+example: the first two seconds of a film, after its simulation and reconstruction
+  python -m render --spec '{"samples": 16}' --simulation run/sim --surface run/surface \\
+      --frames 0:47 --out run/frames
+
+--spec takes JSON or the name of a JSON file: the `render:` section of a scene; '{}' is all defaults.
+It writes run/frames/00000.png ... 00047.png and run/frames/summary.json.
+With --save-blend scene.blend the first frame can be opened and changed in Blender.
+
+exit codes: 0 done, 1 failed, 2 refused (settings, files or machine can not be used as they are)
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Render a block of frames; returns the exit code."""
+    options = _parse(arguments)
+    with tempfile.TemporaryDirectory(prefix="render-") as scratch:
+        log = Path(options.log) if options.log else Path(scratch) / "blender.log"
+        try:
+            _render(options, log, Path(scratch))
+        except RenderError as error:
+            print(f"render: {error}", file=sys.stderr)
+            if error.exit_code == RenderError.exit_code:
+                _print_tail(log)
+            return error.exit_code
+    return 0
+
+
+def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
+    start = time.perf_counter()
+    spec = _load_spec(options.spec)
+    out = _make_folder(options.out)
+    for folder in filter(None, (options.simulation, options.surface)):
+        if not Path(folder).is_dir():
+            raise Unusable(f"{folder} is not a folder")
+    first, last = options.frames
+    job = Job(
+        settings=spec.model_dump(mode="json"),
+        simulation=os.path.abspath(options.simulation),
+        surface=os.path.abspath(options.surface) if options.surface else None,
+        first=first,
+        last=last,
+        out=str(out.resolve()),
+        log=str(log.resolve()),
+        fps=options.fps,
+        threads=options.threads,
+        save_blend=os.path.abspath(options.save_blend) if options.save_blend else None,
+    )
+    with Progress(len(job.frames())) as progress:
+        if spec.blender is not None:
+            from render.installed import render_installed
+
+            summary = render_installed(spec.blender, job, scratch, progress.report)
+        else:
+            before = time.perf_counter()
+            from render.frames import render_frames
+
+            imported = time.perf_counter() - before
+            summary = render_frames(job, progress.report)
+            summary["wall_s"] = {"import": imported, **summary["wall_s"]}
+    summary["wall_s"]["total"] = time.perf_counter() - start
+    for warning in summary["warnings"]:
+        print(f"render: warning: {warning}", file=sys.stderr)
+    _write_json(out / "summary.json", {"status": "done", **summary})
+
+
+def _load_spec(text: str) -> RenderSpec:
+    try:
+        source = text if text.lstrip().startswith("{") else Path(text).read_text()
+        return RenderSpec.model_validate_json(source)
+    except OSError as error:
+        raise Unusable(f"--spec: can not read {text}: {error.strerror}") from error
+    except ValidationError as error:
+        lines = (f"{'.'.join(map(str, part['loc'])) or '--spec'}: {part['msg']}" for part in error.errors())
+        raise Unusable("refused\n  " + "\n  ".join(lines)) from error
+
+
+def _make_folder(name: str) -> Path:
+    path = Path(name)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RenderError(f"can not make the folder {path}: {error.strerror}") from error
+    if not os.access(path, os.W_OK):
+        raise RenderError(f"the folder {path} can not be written")
+    return path
+
+
+def _write_json(path: Path, data: dict[str, Any]) -> None:
+    part = path.with_name(f".{path.name}.part")
+    try:
+        part.write_text(json.dumps(data, indent=2) + "\n")
+        part.replace(path)
+    except OSError as error:
+        raise RenderError(f"can not write {path}: {error.strerror}") from error
+
+
+def _print_tail(log: Path, lines: int = 20) -> None:
+    if log.exists():
+        tail = log.read_text(errors="replace").splitlines()[-lines:]
+        print("\n".join(["Blender said at last:", *tail]) if tail else "Blender said nothing", file=sys.stderr)
+
+
+def _parse(arguments: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="python -m render",
+        description="Render a block of frames with Blender's Cycles.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--spec", required=True, metavar="JSON", help="the render settings, as JSON or a JSON file")
+    parser.add_argument("--simulation", required=True, metavar="DIR", help="folder that the simulation wrote")
+    parser.add_argument("--surface", metavar="DIR", help="folder of the water's surfaces; left out for a dry scene")
+    parser.add_argument(
+        "--frames", required=True, type=_frames, metavar="A:B", help="first and last frame, both included"
+    )
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder for the pictures and summary.json")
+    parser.add_argument("--fps", type=_positive(float), default=24.0, help="frames per simulated second (default 24)")
+    parser.add_argument("--threads", type=_positive(int), metavar="N", help="CPU threads (default: all)")
+    parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
+    parser.add_argument("--log", metavar="FILE", help="keep what Blender prints in this file")
+    return parser.parse_args(arguments)
+
+
+def _frames(text: str) -> tuple[int, int]:
+    first, _, last = text.partition(":")
+    frames = int(first), int(last)
+    if not 0 <= frames[0] <= frames[1]:
+        raise argparse.ArgumentTypeError(f"expected A:B with 0 <= A <= B, got {text}")
+    return frames
+
+
+def _positive(kind: type) -> Any:
+    def number(text: str) -> Any:
+        value = kind(text)
+        if not 0 < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
+        return value
+
+    return number
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,89 @@
+"""The one place that imports bpy, and what keeps it from talking and from hanging."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from render.errors import RenderError, Unusable
+
+DEBIAN_PACKAGES = {
+    "libEGL": "libegl1",
+    "libGL": "libgl1",
+    "libICE": "libice6",
+    "libSM": "libsm6",
+    "libX11": "libx11-6",
+    "libXext": "libxext6",
+    "libXfixes": "libxfixes3",
+    "libXi": "libxi6",
+    "libXrender": "libxrender1",
+    "libXxf86vm": "libxxf86vm1",
+    "libxkbcommon": "libxkbcommon0",
+}
+"""Debian's name of the package that brings a library which the bpy wheel expects of the system."""
+
+
+def import_remedy(error: ImportError) -> str:
+    """Why bpy could not be imported, and what to install."""
+    if isinstance(error, ModuleNotFoundError):
+        return "Blender is missing: install the Python package bpy, or name an installed Blender with `blender: PATH`"
+    missing = re.search(r"(lib\w+)[\w.+-]*\.so[.\d]*: cannot open shared object file", str(error))
+    package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
+    if package is None:
+        return f"Blender can not be loaded: {error}"
+    others = " ".join(sorted(set(DEBIAN_PACKAGES.values()) - {package}))
+    return (
+        f"Blender can not be loaded: the system library {missing[1]} is missing. "
+        f"On Debian or Ubuntu: apt-get install {package} (it may also need {others})"
+    )
+
+
+try:
+    import bpy
+except ImportError as error:
+    raise Unusable(import_remedy(error)) from error
+
+
+def _handlers() -> dict[str, list[Any]]:
+    found = ((name, getattr(bpy.app.handlers, name)) for name in dir(bpy.app.handlers))
+    return {name: handlers for name, handlers in found if isinstance(handlers, list)}
+
+
+_OWN_HANDLERS = {name: list(handlers) for name, handlers in _handlers().items()}
+
+
+def release() -> None:
+    """Take down the Python handlers added since the import: with one left, bpy hangs when the process ends."""
+    for name, handlers in _handlers().items():
+        handlers[:] = _OWN_HANDLERS[name]
+
+
+@contextlib.contextmanager
+def silenced(log: Path) -> Iterator[None]:
+    """Send what Blender prints, below Python's own streams, to the end of a file."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = os.dup(1), os.dup(2)
+    sink = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    try:
+        os.dup2(sink, 1)
+        os.dup2(sink, 2)
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os.dup2(kept[0], 1)
+        os.dup2(kept[1], 2)
+        for descriptor in (*kept, sink):
+            os.close(descriptor)
+
+
+def check(result: set[str], action: str) -> None:
+    """Raise RenderError unless an operator finished."""
+    if "FINISHED" not in result:
+        raise RenderError(f"Blender gave up on {action}")

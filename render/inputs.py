@@ -1,0 +1,129 @@
+"""What the earlier stages left: the folders of the simulation and of the surface."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from render.axes import Quaternion, Vector, z_up, z_up_quaternion
+from render.errors import Unusable
+
+
+@dataclass(frozen=True)
+class Box:
+    """An upright box, in Blender's axes [m]."""
+
+    low: Vector
+    high: Vector
+
+    @property
+    def diagonal(self) -> float:
+        return sum((b - a) ** 2 for a, b in zip(self.low, self.high, strict=True)) ** 0.5
+
+    @property
+    def center(self) -> Vector:
+        return tuple((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
+
+    def grown(self, by: float) -> Box:
+        """Larger by a length [m] on all sides."""
+        return Box(tuple(a - by for a in self.low), tuple(b + by for b in self.high))
+
+    def joined(self, other: Box) -> Box:
+        """The smallest box around both."""
+        return Box(tuple(map(min, self.low, other.low)), tuple(map(max, self.high, other.high)))
+
+    def corners(self) -> list[Vector]:
+        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
+        return [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A rigid body in one frame, in Blender's axes: centre of mass [m], rotation (w, x, y, z),
+    velocity [m/s] and angular velocity [rad/s]."""
+
+    position: Vector
+    rotation: Quaternion
+    velocity: Vector
+    angular_velocity: Vector
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """The files of a film."""
+
+    simulation: Path
+    surface: Path | None
+
+    def extent(self) -> Box:
+        """The box of the action over the whole film; raises Unusable without it."""
+        path = self.simulation / "summary.json"
+        try:
+            extent = json.loads(path.read_text())["extent"]
+            low, high = z_up(extent["min"]), z_up(extent["max"])
+        except FileNotFoundError as error:
+            raise Unusable(f"{path} is missing: it says how far the action reaches (extent: min, max)") from error
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise Unusable(f"{path} has no extent with min and max of three numbers each") from error
+        box = Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
+        if not 0 < box.diagonal < float("inf"):
+            raise Unusable(f"{path}: the extent must have a size, found a diagonal of {box.diagonal} m")
+        return box
+
+    def bodies(self) -> dict[str, Path]:
+        """Meshes of the rigid bodies by name."""
+        return self._named("body")
+
+    def containers(self) -> dict[str, Path]:
+        """Inner surfaces of the containers by name."""
+        return self._named("container")
+
+    def sheets(self) -> list[str]:
+        """Names of the cloth sheets, of all frames."""
+        found = (re.fullmatch(r"cloth_(.+)_\d+", path.stem) for path in self.simulation.glob("cloth_*.ply"))
+        return sorted({match[1] for match in found if match})
+
+    def sheet(self, name: str, frame: int) -> Path | None:
+        """Mesh of a cloth sheet in a frame, if it is there then."""
+        path = self.simulation / f"cloth_{name}_{frame:05d}.ply"
+        return path if path.exists() else None
+
+    def water(self, frame: int) -> Path | None:
+        """The water's surface in a frame; None for a scene without fluid."""
+        return None if self.surface is None else self.surface / f"surface_{frame:05d}.ply"
+
+    def poses(self, frames: Iterable[int]) -> dict[int, dict[str, Pose]]:
+        """Where the rigid bodies are, by frame and name; a body without a row is absent."""
+        wanted: dict[int, dict[str, Pose]] = {frame: {} for frame in frames}
+        path = self.simulation / "bodies.csv"
+        if not path.exists():
+            return wanted
+        try:
+            with path.open(newline="") as rows:
+                for row in csv.DictReader(rows):
+                    frame = int(row["frame"])
+                    if frame in wanted:
+                        wanted[frame][row["body"]] = _pose(row)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise Unusable(f"{path} is not a table of rigid bodies: {error!r}") from error
+        return wanted
+
+    def _named(self, kind: str) -> dict[str, Path]:
+        paths = sorted(self.simulation.glob(f"{kind}_*.ply"))
+        return {path.stem.removeprefix(f"{kind}_"): path for path in paths}
+
+
+def _pose(row: dict[str, str]) -> Pose:
+    def numbers(names: str) -> list[float]:
+        return [float(row[name]) for name in names.split()]
+
+    return Pose(
+        position=z_up(numbers("x y z")),
+        rotation=z_up_quaternion(numbers("qw qx qy qz")),
+        velocity=z_up(numbers("vx vy vz")),
+        angular_velocity=z_up(numbers("wx wy wz")),
+    )

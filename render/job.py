@@ -1,0 +1,41 @@
+"""One block of frames, as plain data: what `python -m render` hands to the Blender side."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+Report = Callable[[dict[str, Any]], None]
+"""Takes what happened: `{"frame": 42, "wall_s": 3.1}` after each frame."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """Frames `first` to `last`, both included, to be rendered into the folder `out`."""
+
+    settings: dict[str, Any]
+    """The dumped RenderSpec, None where it is open."""
+    simulation: str
+    surface: str | None
+    first: int
+    last: int
+    out: str
+    log: str
+    """File that takes what Blender prints."""
+    fps: float = 24.0
+    """Frames per simulated second [Hz]."""
+    threads: int | None = None
+    save_blend: str | None = None
+
+    def frames(self) -> range:
+        return range(self.first, self.last + 1)
+
+    def write(self, path: Path) -> None:
+        path.write_text(json.dumps(asdict(self)))
+
+    @classmethod
+    def load(cls, path: Path) -> Job:
+        return cls(**json.loads(path.read_text()))

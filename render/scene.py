@@ -1,0 +1,121 @@
+"""The Blender scene of a film: built once, then changed from frame to frame."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from render.axes import z_up
+from render.blender import bpy
+from render.bodies import Body
+from render.camera import add_camera
+from render.containers import add_container, wall_thickness
+from render.errors import Unusable
+from render.framing import view_of
+from render.ground import add_ground
+from render.inputs import Box, Inputs, Pose
+from render.lights import add_lights
+from render.materials import default_body_look, default_sheet_look, make_material
+from render.meshes import add_object, build_mesh, replace_mesh
+from render.ply import TriangleMesh, max_of, min_of, read_mesh
+from render.world import add_world
+
+SUNK = 0.002
+"""How far the ground reaches into the action's box, over its diagonal: water that stands on it
+then meets it without a film of air, which would mirror."""
+
+
+class Scene:
+    """Everything that is in the picture.
+
+    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that can not be drawn.
+    """
+
+    def __init__(self, settings: Any, inputs: Inputs, fps: float):
+        self.settings = settings
+        self.inputs = inputs
+        self.fps = fps
+        self.box = inputs.extent()
+        self._bodies: dict[str, Body] = {}
+        self._moving_meshes: dict[str, tuple[Any, Any]] = {}
+        bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
+        self._add_surroundings(self._add_containers())
+        self._add_bodies()
+        self._add_moving_meshes()
+
+    def read(self, frame: int) -> dict[str, TriangleMesh | None]:
+        """The meshes of a frame that change their shape, by name of their object; None where there is none."""
+        paths = {"cloth_" + name: self.inputs.sheet(name, frame) for name in self.inputs.sheets()}
+        if self.inputs.surface is not None:
+            paths["water"] = self.inputs.water(frame)
+        return {name: read_mesh(path) if path else None for name, path in paths.items()}
+
+    def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
+        """Bring everything to where it is in a frame."""
+        exposure = self.settings.shutter if self.settings.motion_blur else 0.0
+        for name, body in self._bodies.items():
+            body.show(poses.get(name), frame, exposure, self.fps)
+        for name, (thing, material) in self._moving_meshes.items():
+            source = meshes[name]
+            thing.hide_render = source is None or len(source.triangles) == 0
+            if not thing.hide_render:
+                replace_mesh(thing, build_mesh(name, source), material)
+        bpy.context.scene.frame_set(frame)
+
+    def _look(self, name: str, default: Any) -> Any:
+        return getattr(self.settings.materials, name, default)
+
+    def _add_surroundings(self, visible: Box) -> None:
+        settings = self.settings
+        view = view_of(settings.camera, visible, settings.resolution)
+        add_camera(settings.camera, view)
+        add_lights(settings.lights)
+        add_world(settings.lights.environment, settings.background)
+        if settings.ground.enabled:
+            height = settings.ground.height
+            if height is None:
+                height = visible.low[2] + SUNK * self.box.diagonal
+            add_ground(settings.ground, height, self.box, view)
+
+    def _add_containers(self) -> Box:
+        """Add what the settings name; returns the box around the action and the walls."""
+        size = self.box.diagonal
+        visible = self.box
+        for name, path in self.inputs.containers().items():
+            look = self._look(name, None)
+            if look is not None:
+                inner = read_mesh(path)
+                add_container(name, inner, self.settings.walls, make_material(name, look, size), size)
+                visible = visible.joined(_bounds(inner).grown(wall_thickness(self.settings.walls, size)))
+        return visible
+
+    def _add_bodies(self) -> None:
+        for index, (name, path) in enumerate(self.inputs.bodies().items()):
+            source = read_mesh(path)
+            look = self._look(name, default_body_look(index))
+            self._bodies[name] = Body(name, source, make_material(name, look, _bounds(source).diagonal))
+
+    def _add_moving_meshes(self) -> None:
+        if self.inputs.surface is not None:
+            self._add_moving_mesh("water", make_material("water", self.settings.water, self.box.diagonal))
+        for index, name in enumerate(self.inputs.sheets()):
+            look = self._look(name, default_sheet_look(index))
+            self._add_moving_mesh("cloth_" + name, make_material(name, look, self.box.diagonal))
+
+    def _add_moving_mesh(self, name: str, material: Any) -> None:
+        self._moving_meshes[name] = add_object(name, bpy.data.meshes.new(name), material), material
+
+
+def _bounds(source: TriangleMesh) -> Box:
+    columns = [source.columns[axis] for axis in "xyz"]
+    if source.vertex_count() == 0:
+        raise Unusable("a body or container has a mesh without vertices")
+    low, high = (z_up([float(bound(column)) for column in columns]) for bound in (min_of, max_of))
+    return Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
+
+
+def plain(data: Any) -> Any:
+    """Nested dictionaries as nested namespaces."""
+    if isinstance(data, dict):
+        return SimpleNamespace(**{key: plain(value) for key, value in data.items()})
+    return [plain(value) for value in data] if isinstance(data, list) else data

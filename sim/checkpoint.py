@@ -1,0 +1,107 @@
+"""The state of a run between two frames: everything needed to go on, byte for byte."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.files import whole
+from sim.settings import Refused
+from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.fluid.part import FluidState
+
+FORMAT = 1
+
+
+@dataclass
+class Clock:
+    """Where a run stands in time."""
+
+    frame: int = 0
+    time: float = 0.0
+    step: int = 0
+    last_step: float = 0.0
+    """The step [s] that was wanted last, before a frame cut it."""
+    step_scale: float = 1.0
+    """Factor on the step, below 1 while the run recovers from a fault."""
+
+
+@dataclass
+class Checkpoint:
+    """A clock, the counts so far, the next times of the probes, and the particles."""
+
+    clock: Clock
+    counts: dict[str, int]
+    probe_times: dict[str, float]
+    origin: np.ndarray
+    fluid: FluidState | None
+
+    def save(self, path: Path, spec: SimulationSpec) -> None:
+        meta = {
+            "format": FORMAT,
+            "clock": asdict(self.clock),
+            "counts": self.counts,
+            "probe_times": self.probe_times,
+            "layout": _layout(spec),
+        }
+        arrays: dict[str, Any] = {"meta": np.array(json.dumps(meta, sort_keys=True)), "origin": self.origin}
+        if self.fluid is not None:
+            arrays |= {f"fluid.{name}": values for name, values in vars(self.fluid).items()}
+        with whole(path) as stream:
+            np.savez(stream, **arrays)
+
+    @classmethod
+    def load(cls, path: Path, spec: SimulationSpec) -> Checkpoint:
+        """Raises Refused for a file that is no state, or one of a scene with other particles."""
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                arrays = {name: stored[name] for name in stored.files}
+            meta = json.loads(str(arrays["meta"]))
+        except FileNotFoundError:
+            raise Refused(f"{path}: no such state", remedy="give a state_*.npz that a run has written") from None
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+            raise Refused(f"{path} is not a state of a run ({error})", remedy="give an undamaged state_*.npz") from None
+        if meta.get("format") != FORMAT:
+            raise Refused(f"{path} has format {meta.get('format')}, this version reads {FORMAT}", remedy="run anew")
+        if meta["layout"] != _layout(spec):
+            raise Refused(
+                f"{path} was made with {meta['layout']}, the scene has {_layout(spec)}",
+                remedy="resume with the settings it was made with, or start at frame 0",
+            )
+        fluid = None
+        if spec.fluid is not None:
+            from sim.fluid.part import FluidState
+
+            fluid = FluidState(**{name: arrays[f"fluid.{name}"] for name in vars(FluidState())})
+        return cls(Clock(**meta["clock"]), meta["counts"], meta["probe_times"], arrays["origin"], fluid)
+
+
+def state_name(frame: int) -> str:
+    """File name of the state after a frame."""
+    return f"state_{frame:05d}.npz"
+
+
+def frame_of(path: Path) -> int:
+    """The frame after which a state was saved; raises Refused for a file that is no state."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            return int(json.loads(str(stored["meta"]))["clock"]["frame"])
+    except FileNotFoundError:
+        raise Refused(f"{path}: no such state", remedy="give a state_*.npz that a run has written") from None
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        raise Refused(f"{path} is not a state of a run ({error})", remedy="give an undamaged state_*.npz") from None
+
+
+def _layout(spec: SimulationSpec) -> dict[str, Any]:
+    """Settings that a state can not change."""
+    layout: dict[str, Any] = {"fps": spec.fps}
+    if spec.fluid is not None:
+        layout |= {"particle_radius": spec.fluid.particle_radius, "support_ratio": spec.fluid.support_ratio}
+    return layout

@@ -1,0 +1,83 @@
+"""What the fluid meets of solids: boundary samples on their surfaces, and where it can not start."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.fluid.kernel import cubic_slope_host
+from sim.fluid.system import FluidSystem
+from sim.geometry.offset import inset
+from sim.geometry.sampling import sample_surface
+from sim.geometry.solids import BoxSolid, Solid
+from sim.obstacles import Obstacle, Obstacles
+
+if TYPE_CHECKING:
+    import trimesh
+
+
+def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Samples of all surfaces and the index in `obstacles.placed` of the body of each.
+
+    They lie `depth` [m] below the surface, on the side away from the fluid, so that fluid comes to
+    rest on the surface itself. Shapes [n, 3] and [n].
+    """
+    points, owner = [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
+    for index, item in enumerate(obstacles.placed):
+        samples = sample_surface(_surface(item, depth), spacing)
+        points.append(samples)
+        owner.append(np.full(len(samples), index, dtype=np.int32))
+    return np.concatenate(points), np.concatenate(owner)
+
+
+def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float) -> np.ndarray:
+    """Whether fluid can be at `points` [m], shape [n, 3]: `clearance` off every solid; shape [n]."""
+    free = np.ones(len(points), dtype=bool)
+    for wall in obstacles.walls:
+        free &= points @ wall.normal - wall.offset > clearance
+    for item in obstacles.placed:
+        low, high = item.solid.bounds
+        near = np.all((points > low - clearance) & (points < high + clearance), axis=1)
+        distance = np.full(len(points), np.inf)
+        distance[near & free] = item.solid.signed_distance(points[near & free])
+        free &= (distance < -clearance) if item.hollow else (distance > clearance)
+    return free
+
+
+def _surface(item: Obstacle, depth: float) -> Solid | trimesh.Trimesh:
+    """The surface to be sampled, `depth` [m] below the one that the fluid meets."""
+    solid = item.solid
+    if not solid.closed:
+        return solid
+    if item.hollow:
+        return inset(solid.mesh, -depth)
+    if isinstance(solid, BoxSolid):
+        size = solid.size - 2 * depth / solid.pose.scale
+        return BoxSolid(solid.pose, solid.mesh, tuple(np.maximum(size, 1e-3 * solid.size)))
+    return inset(solid.mesh, depth)
+
+
+def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force [N] and torque about `centre` [N m] of the fluid on the body with this index.
+
+    Every pair of a particle and a sample acts on both with equal and opposite forces along one line (Akinci et
+    al. 2012, eq. 9 and 11); coordinates and `centre` are relative to the world's origin.
+    """
+    from scipy.spatial import cKDTree
+
+    of_body = system.boundary.owner == owner
+    samples = system.boundary.points[of_body]
+    volumes = system.boundary.volumes[of_body]
+    position = system.particles.numpy("position").astype(np.float64)
+    velocity = system.particles.numpy("velocity").astype(np.float64)
+    pairs = cKDTree(position[:, :3]).sparse_distance_matrix(cKDTree(samples), system.h, output_type="coo_matrix")
+    d = position[pairs.row, :3] - samples[pairs.col]
+    r = np.linalg.norm(d, axis=1)
+    approach = (velocity[pairs.row, :3] * d).sum(axis=1)
+    along = -2.0 * position[pairs.row, 3]
+    along += 10.0 * system.spec.viscosity * approach / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
+    strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along * cubic_slope_host(r, system.h)
+    force = -strength[:, None] * d
+    torque = np.cross(samples[pairs.col] - centre, force)
+    return force.sum(axis=0), torque.sum(axis=0)

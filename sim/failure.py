@@ -1,0 +1,110 @@
+"""When a step can not be trusted, and what is said then."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.checkpoint import state_name
+
+if TYPE_CHECKING:
+    from sim.checkpoint import Checkpoint, Clock
+    from sim.fluid.system import Measure
+    from sim.stepping import Run
+    from sim.world import World
+
+MAX_RETRIES = 4
+"""Each repeats the frame with half the step of the one before."""
+DENSITY_LIMIT = 1.3
+"""Densities above this many rest densities mean that particles were pushed into one another."""
+NAMED = 10
+"""At most so many particles are named in failure.json."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What makes a step invalid, and what would help."""
+
+    what: str
+    remedy: str
+
+
+class Stopped(Exception):
+    """The run can not go on; the process exits with 3, keeps `good` and writes `report` to failure.json."""
+
+    def __init__(self, good: Checkpoint, report: dict[str, Any]):
+        super().__init__(report["detected"])
+        self.good = good
+        self.report = report
+
+
+def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None:
+    """The first thing wrong after a step, from the counts that one pass over the particles left."""
+    if measure is None or world.fluid is None:
+        return None
+    smaller = "use a smaller step (step.cfl, or step.maximum), or a higher speed_of_sound"
+    if measure.not_finite:
+        return Fault(f"{measure.not_finite} particles have values that are not finite", smaller)
+    if measure.density_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
+        ratio = measure.density_max / world.spec.fluid.rest_density
+        return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
+    if measure.too_fast:
+        speed = world.fluid.speed_of_sound
+        return Fault(
+            f"{measure.too_fast} particles are faster than sound ({speed:.3g} m/s)",
+            "raise fluid.wcsph.speed_of_sound if such speeds are meant, else " + smaller,
+        )
+    if measure.beyond_walls:
+        return Fault(f"{measure.beyond_walls} particles went through a wall", smaller)
+    fixed = world.spec.step.fixed
+    limit = world.step_limit(measure)
+    if fixed is not None and dt >= fixed > FIXED_MARGIN * limit:
+        return Fault(
+            f"the fixed step of {fixed:.3g} s is beyond the stability limit of {limit:.3g} s",
+            f"use step.fixed below {limit:.2g} s, or leave it out for an adaptive step",
+        )
+    return None
+
+
+FIXED_MARGIN = 2.5
+"""A fixed step may pass the limit of an instant's peak force, but not the true limit of the integrator."""
+
+
+def report(run: Run, fault: Fault, good: Clock, retries: int) -> dict[str, Any]:
+    """Contents of failure.json: what, when, which particles, the last good state, and what to change."""
+    return {
+        "detected": fault.what,
+        "step": run.clock.step,
+        "time": run.clock.time,
+        "retries": retries,
+        "particles": _suspects(run.world) if run.world.fluid else [],
+        "last_good_frame": good.frame,
+        "last_good_state": state_name(good.frame),
+        "change": fault.remedy,
+    }
+
+
+def _suspects(world: World) -> list[dict[str, Any]]:
+    """The particles that stand out most, by identity; values that are not finite are given as text."""
+    state = world.fluid.state()
+    speed = np.linalg.norm(state.velocity[:, :3], axis=1)
+    density = state.velocity[:, 3] / world.spec.fluid.rest_density
+    badness = np.nan_to_num(np.maximum(density, speed / world.fluid.speed_of_sound), nan=np.inf, posinf=np.inf)
+    suspects = []
+    for i in np.argsort(-badness, kind="stable")[:NAMED]:
+        position = state.position[i, :3].astype(np.float64) + world.origin
+        suspects.append(
+            {
+                "id": int(state.tag[i, 0]),
+                "position": [_number(value) for value in position],
+                "speed": _number(speed[i]),
+                "density_ratio": _number(density[i]),
+            }
+        )
+    return suspects
+
+
+def _number(value: float) -> float | str:
+    return float(value) if np.isfinite(value) else str(value)

@@ -1,0 +1,37 @@
+"""Pairwise forces that every pressure solver shares, written for one pair."""
+
+import math
+
+import numpy as np
+import taichi as ti
+
+from sim.fluid.kernel import cubic_host
+
+
+@ti.func
+def viscous(approach: ti.f32, r2: ti.f32, h: ti.f32, nu: ti.f32) -> ti.f32:
+    """Factor of the gradient, per volume of the neighbour: 2 (dim + 2) nu (v.x) / (x^2 + 0.01 h^2).
+
+    The Laplacian of Brookshaw (1985) in the form of Monaghan (2005) that conserves momentum;
+    approach = v_ij . x_ij [m^2/s].
+    """
+    return 10.0 * nu * approach / (r2 + 0.01 * h * h)
+
+
+@ti.func
+def artificial(approach: ti.f32, r2: ti.f32, h: ti.f32, alpha: ti.f32, speed_of_sound: ti.f32) -> ti.f32:
+    """Monaghan (1992), eq. 4.1 without its quadratic term: acts on pairs that approach each other only."""
+    half = 0.5 * h
+    return alpha * speed_of_sound * half * ti.min(approach, 0.0) / (r2 + 0.01 * half * half)
+
+
+def cohesion_coefficient(surface_tension: float, spacing: float, h: float, mass: float, rest_density: float) -> float:
+    """kappa [m^3/s^2] of Becker & Teschner (2007) that gives a surface tension in N/m.
+
+    The pair force f(r) = kappa m r W(max(r, d)) has the surface tension
+    gamma = pi/8 n^2 * integral of r^4 f(r) dr over the support, n = rho / m
+    (Tartakovsky & Panchenko 2016, eq. 29).
+    """
+    r = (np.arange(20_000) + 0.5) * h / 20_000
+    moment = float((r**5 * cubic_host(np.maximum(r, spacing), h)).sum()) * h / 20_000
+    return 8.0 * surface_tension * mass / (math.pi * rest_density**2 * moment)

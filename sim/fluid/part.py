@@ -1,0 +1,168 @@
+"""The fluid of a scene: its particles from start to end, and the solver that moves them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.fluid import load_solver
+from sim.fluid.boundary import Boundary
+from sim.fluid.kernel import wall_distance
+from sim.fluid.sources import Source
+from sim.fluid.spec import Fluid
+from sim.fluid.system import FluidSystem, Measure
+from sim.fluid.walls import Walls
+from sim.settings import Refused
+
+START_CLEARANCE = 0.45
+"""Fluid starts at least this many spacings off every solid."""
+OVERLAP = 0.7
+"""Fluid that an event adds keeps this many spacings off the fluid that is there."""
+COMPRESSION_SPEED = 10.0
+"""Speed of sound over the greatest speed expected: 1 % compression (Monaghan 1994)."""
+
+Allowed = Callable[[np.ndarray, float], np.ndarray]
+"""Whether fluid can be at points [m], shape [n, 3], with this clearance [m] to every solid."""
+
+
+@dataclass
+class FluidState:
+    """The particles between steps: what a checkpoint keeps and an event hands on.
+
+    position, velocity, acceleration: shape [n, 4], of which three columns are coordinates relative to the world's
+    origin; tag: identity and index of the fluid body, shape [n, 2].
+    """
+
+    position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    velocity: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    tag: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
+
+    @property
+    def count(self) -> int:
+        return len(self.position)
+
+    def without_body(self, body: int) -> FluidState:
+        """The particles of all other bodies."""
+        keep = self.tag[:, 1] != body
+        return FluidState(*(values[keep] for values in vars(self).values()))
+
+    def joined(self, other: FluidState) -> FluidState:
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return FluidState(*(np.concatenate(pair) for pair in pairs))
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the fluid meets: walls and boundary samples in world coordinates [m].
+
+    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample.
+    """
+
+    planes: np.ndarray
+    samples: np.ndarray
+    owner: np.ndarray
+
+
+def pour(
+    state: FluidState, source: Source, body: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
+) -> tuple[FluidState, int]:
+    """`state` and the particles of one more body where nothing else is, and how many had no place.
+
+    Raises Refused where none has a place, or where there are more than the scene allows.
+    """
+    free = allowed(source.points, START_CLEARANCE * fluid.spacing)
+    if state.count:
+        from scipy.spatial import cKDTree
+
+        present = state.position[:, :3].astype(np.float64) + origin
+        nearest, _ = cKDTree(present).query(source.points, distance_upper_bound=OVERLAP * fluid.spacing)
+        free &= ~np.isfinite(nearest)
+    points = source.points[free]
+    count = len(points)
+    if not count:
+        raise Refused(
+            f"no particle of '{source.name}' lies inside the containers and outside solids and other fluid",
+            location=source.location,
+            remedy="move it to where there is room, or make it larger",
+        )
+    if state.count + count > fluid.max_particles:
+        raise Refused(
+            f"the scene has more than fluid.max_particles = {fluid.max_particles:,} particles",
+            location=("fluid", "max_particles"),
+            remedy="use a larger particle_radius, or raise the limit",
+        )
+    first = int(state.tag[:, 0].max()) + 1 if state.count else 0
+    fresh = FluidState(
+        position=np.column_stack((points - origin, np.zeros(count))).astype(np.float32),
+        velocity=np.tile(np.array([*source.velocity, fluid.rest_density], np.float32), (count, 1)),
+        acceleration=np.zeros((count, 4), np.float32),
+        tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
+    )
+    return state.joined(fresh), len(free) - count
+
+
+class FluidPart:
+    """Particles, surroundings and solver, built for one number of particles.
+
+    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest initial speed [m/s].
+    """
+
+    def __init__(
+        self,
+        fluid: Fluid,
+        gravity: np.ndarray,
+        origin: np.ndarray,
+        state: FluidState,
+        surroundings: Surroundings,
+        *,
+        drop: float,
+        fastest: float,
+    ):
+        h = fluid.support_radius
+        setback = wall_distance(fluid.spacing, h) - fluid.spacing / 2
+        planes = surroundings.planes.copy()
+        planes[:, 3] -= planes[:, :3] @ origin
+        boundary = Boundary(surroundings.samples - origin, surroundings.owner, h, state.count)
+        self.origin = origin
+        self.gravity = gravity
+        self.system = FluidSystem(fluid, gravity, state.count, Walls(planes, setback), boundary)
+        self.system.particles.load(vars(state))
+        self.speed_of_sound = speed_of_sound(fluid, gravity, drop, fastest)
+        self.solver = load_solver(fluid.solver)(self.system, self.speed_of_sound)
+
+    @property
+    def count(self) -> int:
+        return self.system.count
+
+    def state(self) -> FluidState:
+        return FluidState(**self.system.particles.state())
+
+    def measure(self, floor: float) -> Measure:
+        """Extremes, sums and error counts; below the height `floor` [m] falling may add speed."""
+        g = float(np.linalg.norm(self.gravity))
+        up = -self.gravity / g if g > 0 else np.zeros(3)
+        level = g * (floor - float(up @ self.origin))
+        return self.system.measure(self.speed_of_sound, level)
+
+    def potential_energy(self, measure: Measure) -> float:
+        """In gravity [J], zero at the world's origin."""
+        position_sum = measure.position_sum + self.count * self.origin
+        return -self.system.mass * float(self.gravity @ position_sum)
+
+
+def speed_of_sound(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: float) -> float:
+    """Numerical speed of sound [m/s] (Monaghan 1994, sec. 4): `auto` follows from what the scene can reach."""
+    given = fluid.wcsph.speed_of_sound
+    if given != "auto":
+        return float(given)
+    g = float(np.linalg.norm(gravity))
+    reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing))
+    return COMPRESSION_SPEED * max(reachable, SLOWEST * fluid.spacing)
+
+
+SLOWEST = 10.0
+"""Speeds under this many spacings a second are not worth resolving: bounds the step of a scene at rest."""

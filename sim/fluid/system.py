@@ -1,0 +1,149 @@
+"""The fluid's particles and their surroundings: what every pressure solver shares."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import Declared, DoubleTable, Particles, Vec4Array
+from sim.fluid.boundary import Boundary
+from sim.fluid.kernel import particle_mass
+from sim.fluid.spec import Fluid
+from sim.fluid.walls import Walls, wall_depth
+from sim.neighbors import HashGrid, NeighborList
+
+PARTICLES = (
+    Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
+    Declared("velocity", "vec4", "m/s; w: density [kg/m^3]"),
+    Declared("acceleration", "vec4", "m/s^2; w unused", sorted=False),
+    Declared("tag", "vec2i", "identity and body"),
+)
+
+BLOCKS = 64
+"""Partial sums are taken over this many ranges of particles, so that they do not depend on threads."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What one pass over the particles tells about the whole fluid; SI units, local coordinates."""
+
+    v_max: float
+    a_max: float
+    kinetic_energy: float
+    momentum: np.ndarray
+    position_sum: np.ndarray
+    density_max: float
+    compression_sum: float
+    not_finite: int
+    beyond_walls: int
+    too_fast: int
+
+
+class FluidSystem:
+    """Particles, their neighbours, and the solids around them, in coordinates relative to `origin`."""
+
+    def __init__(self, spec: Fluid, gravity: np.ndarray, count: int, walls: Walls, boundary: Boundary):
+        self.spec = spec
+        self.gravity = gravity
+        self.count = count
+        self.walls = walls
+        self.boundary = boundary
+        self.h = spec.support_radius
+        self.mass = particle_mass(spec.spacing, self.h, spec.rest_density)
+        self.particles = Particles(PARTICLES, count)
+        self.grid = HashGrid(count, self.h)
+        self.neighbors = NeighborList(count, 64)
+        self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
+
+    def find_neighbors(self) -> None:
+        """Sort the particles by cell and list their neighbours, of the fluid and of the boundary."""
+        if not self.count:
+            return
+        self.particles.reorder(self.grid.sort(self.particles.position))
+        position = self.particles.position
+        self.neighbors.build(position, self.grid, position)
+        if self.boundary.count:
+            self.boundary.neighbors.build(position, self.boundary.grid, self.boundary.samples)
+
+    def measure(self, speed_limit: float, level: float) -> Measure:
+        """Extremes, sums and error counts, in a fixed order of summation.
+
+        A particle is too fast above `speed_limit` [m/s], unless it gained the speed by falling from
+        where gravity's potential is `level` [m^2/s^2].
+        """
+        if not self.count:
+            return Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
+        _measure(
+            self.count,
+            self.particles.position,
+            self.particles.velocity,
+            self.particles.acceleration,
+            self.spec.rest_density,
+            self.walls.count,
+            self.walls.planes,
+            self.h / 2,
+            ti.math.vec3(*self.gravity),
+            speed_limit,
+            level,
+            self._partial,
+        )
+        table = self._partial.to_numpy()
+        peak, total = table.max(axis=0), table.sum(axis=0)
+        return Measure(
+            v_max=float(np.sqrt(peak[0])),
+            a_max=float(np.sqrt(peak[1])),
+            kinetic_energy=0.5 * self.mass * float(total[2]),
+            momentum=self.mass * total[3:6],
+            position_sum=total[6:9],
+            density_max=float(peak[9]),
+            compression_sum=float(total[10]),
+            not_finite=int(total[11]),
+            beyond_walls=int(total[12]),
+            too_fast=int(total[13]),
+        )
+
+    @property
+    def bytes(self) -> int:
+        return self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
+
+
+@ti.kernel
+def _measure(
+    count: ti.i32,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    acceleration: Vec4Array,
+    rest_density: ti.f32,
+    wall_count: ti.i32,
+    planes: Vec4Array,
+    deepest: ti.f32,
+    gravity: ti.math.vec3,
+    speed_limit: ti.f32,
+    level: ti.f32,
+    partial: DoubleTable,
+):
+    for block in range(BLOCKS):
+        row = ti.Vector([0.0] * 14, dt=ti.f64)
+        begin = ti.cast(ti.cast(count, ti.i64) * block // BLOCKS, ti.i32)
+        end = ti.cast(ti.cast(count, ti.i64) * (block + 1) // BLOCKS, ti.i32)
+        for i in range(begin, end):
+            x, v, a = position[i], velocity[i], acceleration[i]
+            v2, a2 = v.xyz.dot(v.xyz), a.xyz.dot(a.xyz)
+            row[0] = ti.max(row[0], v2)
+            row[1] = ti.max(row[1], a2)
+            row[2] += v2
+            for axis in ti.static(range(3)):
+                row[3 + axis] += v[axis]
+                row[6 + axis] += x[axis]
+            row[9] = ti.max(row[9], v.w)
+            row[10] += ti.max(v.w / rest_density - 1.0, 0.0)
+            finite = ti.abs(v2) < 1e30 and ti.abs(a2) < 1e30 and x.xyz.dot(x.xyz) < 1e30 and v.w < 1e30
+            if not finite:
+                row[11] += 1.0
+            if wall_depth(x.xyz, wall_count, planes) > deepest:
+                row[12] += 1.0
+            fallen = ti.max(gravity.dot(x.xyz) + level, 0.0)
+            if v2 > speed_limit * speed_limit + 2.0 * fallen:
+                row[13] += 1.0
+        for column in ti.static(range(14)):
+            partial[block, column] = row[column]

@@ -1,0 +1,64 @@
+"""Plane walls without particles.
+
+What a half-space of fluid at rest would add to the density of a particle depends on its distance
+alone. Where walls meet, the void between them is the product of what each leaves, which is exact for one
+wall and for walls that do not reach the same particle.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import Vec4Array, vec3, vec4
+from sim.fluid.kernel import halfspace_area, halfspace_volume
+
+MAX_WALLS = 64
+
+
+class Walls:
+    """Planes n.x = offset with the solid below, as the solver sees them.
+
+    planes: unit normals out of the solid and offsets [m], shape [n, 4]. `setback` [m] moves each
+    plane into the solid, so that a lattice half a spacing off the wall is at rest.
+    """
+
+    def __init__(self, planes: Sequence[Sequence[float]], setback: float):
+        values = np.asarray(planes, dtype=np.float64).reshape(-1, 4)
+        self.count = len(values)
+        self.planes = ti.ndarray(vec4, max(self.count, 1))
+        if self.count:
+            shifted = values - [0.0, 0.0, 0.0, setback]
+            self.planes.from_numpy(shifted.astype(np.float32))
+
+
+@ti.func
+def wall_volume(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32) -> ti.f32:
+    """Share of the kernel around x that lies in the walls, 0 to 1."""
+    void = 1.0
+    for k in range(count):
+        void *= 1.0 - halfspace_volume((planes[k].xyz.dot(x) - planes[k].w) * inverse_h)
+    return 1.0 - void
+
+
+@ti.func
+def wall_gradient(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32) -> vec3:
+    """Gradient of `wall_volume` with respect to x [1/m]; points into the walls."""
+    gradient = vec3(0.0)
+    for k in range(count):
+        rest = halfspace_area((planes[k].xyz.dot(x) - planes[k].w) * inverse_h) * inverse_h
+        if rest > 0.0:
+            for other in range(count):
+                if other != k:
+                    rest *= 1.0 - halfspace_volume((planes[other].xyz.dot(x) - planes[other].w) * inverse_h)
+            gradient -= rest * planes[k].xyz
+    return gradient
+
+
+@ti.func
+def wall_depth(x: vec3, count: ti.i32, planes: Vec4Array) -> ti.f32:
+    """How deep x lies in the deepest wall [m]; negative outside all of them."""
+    depth = -1e30
+    for k in range(count):
+        depth = ti.max(depth, planes[k].w - planes[k].xyz.dot(x))
+    return depth

@@ -1,0 +1,223 @@
+"""From the settings of a shape to a placed solid."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.geometry import assets
+from sim.geometry.solids import (
+    BoxSolid,
+    CapsuleSolid,
+    CylinderSolid,
+    MeshSolid,
+    PlaneSolid,
+    Pose,
+    SheetSolid,
+    Solid,
+    SphereSolid,
+    TorusSolid,
+)
+from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
+from sim.settings import Refused
+
+if TYPE_CHECKING:
+    import trimesh
+
+    from sim.geometry.repair import RepairReport
+
+__all__ = ["Solid", "load_mesh", "place", "tessellate"]
+
+# Largest gap between a curved surface and its triangles, over its radius.
+_CHORD_ERROR = 1e-3
+
+# Proper rotations that bring an axis of the file to y.
+_TO_Y_UP = {
+    "x": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    "y": np.eye(3),
+    "z": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+}
+
+
+def place(shape, placement: Placement, folder: Path) -> Solid:
+    """The solid of any shape of `sim.geometry.spec`, scaled, turned and moved as `placement` says.
+
+    `folder` is the scene's, from which mesh files are looked up. Raises `Refused`, located at `shape.file`, for a
+    mesh that is missing or can not be made a solid.
+    """
+    pose = Pose.of(placement)
+    match shape:
+        case Plane():
+            return PlaneSolid(pose, shape.normal)
+        case MeshFile():
+            try:
+                mesh, report = load_mesh(shape, assets.resolve(shape.file, folder))
+            except Refused as refused:
+                raise refused.at("shape", "file") from refused
+            return MeshSolid(pose, mesh, report)
+    mesh = tessellate(shape)
+    match shape:
+        case Box():
+            return BoxSolid(pose, mesh, shape.size)
+        case Sphere():
+            return SphereSolid(pose, mesh, shape.radius)
+        case Cylinder():
+            return CylinderSolid(pose, mesh, shape.radius, shape.height)
+        case Capsule():
+            return CapsuleSolid(pose, mesh, shape.radius, shape.height)
+        case Torus():
+            return TorusSolid(pose, mesh, shape.radius, shape.tube_radius)
+        case Sheet():
+            return SheetSolid(pose, mesh, shape.size)
+    raise TypeError(f"no solid for the shape {type(shape).__name__}")
+
+
+def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
+    """Triangles of a built-in shape in its own frame [m]: watertight and outward, or an open rectangle for a sheet.
+
+    All vertices lie on the surface; triangles are within about `chord_error` times the radius of it.
+    """
+    import trimesh
+
+    match shape:
+        case Box():
+            return trimesh.creation.box(extents=shape.size)
+        case Sheet():
+            x, z = np.array(shape.size) / 2
+            corners = [[-x, 0, -z], [-x, 0, z], [x, 0, z], [x, 0, -z]]
+            return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
+        case Sphere():
+            # The longest edge of an icosphere is 1.18 r / 2^n; the gap of a triangle edge^2 / (6 r).
+            halvings = np.log2(1.18 / np.sqrt(6 * chord_error))
+            return trimesh.creation.icosphere(subdivisions=max(0, int(np.ceil(halvings))), radius=shape.radius)
+        case Cylinder():
+            half = shape.height / 2
+            profile = [[0.0, -half], [shape.radius, -half], [shape.radius, half], [0.0, half]]
+            return _revolved(np.array(profile), chord_error)
+        case Capsule():
+            angle = np.linspace(-np.pi / 2, np.pi / 2, 2 * _segments(np.pi / 2, chord_error) + 1)
+            end = np.sign(angle) * shape.height / 2
+            profile = shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+            profile[:, 1] += end
+            equator = len(angle) // 2
+            profile = np.insert(profile, equator, profile[equator], axis=0)
+            profile[[equator, equator + 1], 1] = -shape.height / 2, shape.height / 2
+            profile[[0, -1], 0] = 0.0
+            return _revolved(profile, chord_error)
+        case Torus():
+            angle = np.linspace(0, 2 * np.pi, _segments(2 * np.pi, chord_error) + 1)[:-1]
+            tube = shape.tube_radius * np.column_stack([np.cos(angle), np.sin(angle)])
+            tube[:, 0] += shape.radius
+            return _revolved(tube, chord_error, ring=True)
+    raise TypeError(f"no triangles for the shape {type(shape).__name__}")
+
+
+def load_mesh(shape: MeshFile, path: Path, *, closed: bool = True) -> tuple[trimesh.Trimesh, RepairReport | None]:
+    """The mesh of a file, y up, at its size [m] and with its anchor at the origin, and what was mended.
+
+    With `closed` the mesh is made watertight, or refused unless it already is where `repair` is off; without, as
+    for cloth, it is only cleaned of equal vertices and faces without area.
+
+    Raises `Refused` for a file that can not be read as triangles or whose mesh can not be used.
+    """
+    from sim.geometry.topology import Topology, cleaned, signed_volume
+
+    mesh, report = _read(path), None
+    if not closed:
+        mesh, _ = cleaned(mesh, name=path.name)
+    elif shape.repair:
+        mesh, report = _repaired(mesh, path.name)
+    else:
+        mesh, _ = cleaned(mesh, name=path.name)
+        topology = Topology.of(mesh)
+        if not (topology.watertight and topology.consistent and signed_volume(mesh) > 0):
+            raise Refused(
+                f"mesh {path.name!r} is not a closed surface that faces outward ({topology.boundary_edges} open edges, "
+                f"{topology.non_manifold_edges} non-manifold edges)",
+                remedy="Set repair: true",
+            )
+    return _oriented(mesh, shape), report
+
+
+def _oriented(mesh: trimesh.Trimesh, shape: MeshFile) -> trimesh.Trimesh:
+    import trimesh
+
+    vertices = mesh.vertices @ _TO_Y_UP[shape.up].T
+    if shape.size is not None:
+        vertices = vertices * (shape.size / np.ptp(vertices, axis=0).max())
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    anchor = {
+        "origin": np.zeros(3),
+        "center": (low + high) / 2,
+        "base": np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]),
+    }[shape.anchor]
+    return trimesh.Trimesh(vertices - anchor, mesh.faces, process=False)
+
+
+def _read(path: Path) -> trimesh.Trimesh:
+    import trimesh
+
+    try:
+        loaded = trimesh.load(path, force="mesh", process=False)
+        vertices, faces = np.asarray(loaded.vertices), np.asarray(loaded.faces)
+    except Exception as error:  # every format's reader raises errors of its own
+        formats = ", ".join(sorted(trimesh.available_formats() & {"glb", "obj", "off", "ply", "stl", "3mf", "gltf"}))
+        raise Refused(
+            f"{path.name!r} can not be read as a triangle mesh ({type(error).__name__}: {error})",
+            remedy=f"Give a file with triangles in one of the formats {formats}",
+        ) from error
+    return trimesh.Trimesh(vertices, faces, process=False, validate=False)
+
+
+def _repaired(mesh: trimesh.Trimesh, name: str) -> tuple[trimesh.Trimesh, RepairReport]:
+    import trimesh
+
+    from sim.geometry import cache, repair, topology, winding
+
+    def compute() -> cache.Arrays:
+        mended, report = repair.repair(mesh, name=name)
+        text = np.frombuffer(json.dumps(report.as_dict()).encode(), dtype=np.uint8)
+        return {"vertices": np.asarray(mended.vertices), "faces": np.asarray(mended.faces), "report": text}
+
+    stored = cache.cached(
+        "repair",
+        compute,
+        arguments={"name": name},
+        arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
+        sources=[module.__file__ for module in (repair, topology, winding)],
+        packages=("numpy", "scipy", "pymeshfix"),
+    )
+    fields = json.loads(stored["report"].tobytes())
+    fields["bounds"] = tuple(map(tuple, fields["bounds"]))
+    return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False), repair.RepairReport(**fields)
+
+
+def _segments(angle: float, chord_error: float) -> int:
+    """Chords of an arc of `angle` [rad] whose gap is `chord_error` of the radius: r (1 - cos(angle / 2n))."""
+    return max(3, int(np.ceil(angle / (2 * np.arccos(1 - chord_error)))))
+
+
+def _revolved(profile: np.ndarray, chord_error: float, *, ring: bool = False) -> trimesh.Trimesh:
+    """The closed surface swept by a profile of (radius, y), upward, about y; both ends on the axis, or a ring."""
+    import trimesh
+
+    number, sections = len(profile), _segments(2 * np.pi, chord_error)
+    angle = np.arange(sections) * (2 * np.pi / sections)
+    vertices = np.empty((sections, number, 3))
+    vertices[..., 0] = profile[:, 0] * np.cos(angle)[:, None]
+    vertices[..., 1] = profile[:, 1]
+    vertices[..., 2] = profile[:, 0] * np.sin(angle)[:, None]
+    index = np.arange(sections * number).reshape(sections, number)
+    if not ring:
+        # All sections share the two poles.
+        index[:, [0, -1]] = index[0, [0, -1]]
+    ahead = np.roll(index, -1, axis=0)
+    above, above_ahead = (np.roll(part, -1, axis=1) for part in (index, ahead))
+    quads = np.stack([index, above, above_ahead, ahead], axis=-1)[:, : None if ring else -1].reshape(-1, 4)
+    faces = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+    used, faces = np.unique(faces[proper], return_inverse=True)
+    return trimesh.Trimesh(vertices.reshape(-1, 3)[used], faces.reshape(-1, 3), process=False)

@@ -1,0 +1,125 @@
+"""Shapes and where they stand."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from annotated_types import Gt
+from pydantic import Field, model_validator
+
+from sim.settings import Settings
+from sim.units import Angle, Dimensionless, Direction, Extents, Position, PositiveLength
+
+
+class Box(Settings):
+    """A cuboid around its centre."""
+
+    type: Literal["box"]
+    size: Extents
+    """Full edge lengths along x, y and z [m]."""
+
+
+class Sphere(Settings):
+    """A sphere around its centre."""
+
+    type: Literal["sphere"]
+    radius: PositiveLength
+
+
+class Cylinder(Settings):
+    """A solid cylinder around its centre, its axis along y."""
+
+    type: Literal["cylinder"]
+    radius: PositiveLength
+    height: PositiveLength
+
+
+class Capsule(Settings):
+    """A cylinder with half-spheres on both ends, around its centre, its axis along y."""
+
+    type: Literal["capsule"]
+    radius: PositiveLength
+    height: PositiveLength
+    """Length of the cylindrical part [m]."""
+
+
+class Torus(Settings):
+    """A ring around the y axis."""
+
+    type: Literal["torus"]
+    radius: PositiveLength
+    """From the centre of the ring to the centre of its tube [m]."""
+    tube_radius: PositiveLength
+
+    @model_validator(mode="after")
+    def _tube_fits(self) -> Self:
+        if self.tube_radius >= self.radius:
+            raise ValueError("tube_radius must be smaller than radius")
+        return self
+
+
+class Plane(Settings):
+    """The half-space below a plane through the origin, without end."""
+
+    type: Literal["plane"]
+    normal: Direction = (0.0, 1.0, 0.0)
+    """Direction out of the solid; need not be of unit length."""
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> Self:
+        if sum(component * component for component in self.normal) < 1e-12:
+            raise ValueError("normal must not be zero")
+        return self
+
+
+class Sheet(Settings):
+    """A flat rectangle around its centre, its normal along y."""
+
+    type: Literal["sheet"]
+    size: tuple[PositiveLength, PositiveLength]
+    """Edge lengths along x and z [m]."""
+
+
+class MeshFile(Settings):
+    """A triangle mesh in any format that trimesh reads."""
+
+    type: Literal["mesh"]
+    file: Annotated[str, Field(min_length=1)]
+    """Path, relative to the scene file; or PACKAGE:PATH, a file that an installed Python package brings."""
+    up: Literal["x", "y", "z"] = "y"
+    """Which axis of the file points up."""
+    size: PositiveLength | None = None
+    """Scale so that the longest edge of the bounding box has this length [m]; without it the
+    file's numbers are metres."""
+    anchor: Literal["origin", "center", "base"] = "origin"
+    """Which point of the mesh comes to lie on the position: the file's origin, the centre of
+    its bounding box, or the middle of the bounding box's bottom face."""
+    repair: bool = True
+    """Mend holes, flipped faces and non-manifold edges; what was mended is reported."""
+
+
+ClosedShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | MeshFile, Field(discriminator="type")]
+AnyShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | Plane | Sheet | MeshFile, Field(discriminator="type")]
+ClothShape = Annotated[Sheet | MeshFile, Field(discriminator="type")]
+
+
+class Rotation(Settings):
+    """A turn about an axis through the body's own origin, right-handed."""
+
+    axis: Direction
+    angle: Angle
+
+    @model_validator(mode="after")
+    def _has_an_axis(self) -> Self:
+        if sum(component * component for component in self.axis) < 1e-12:
+            raise ValueError("axis must not be zero")
+        return self
+
+
+class Placement(Settings):
+    """Where a shape stands: scaled, then turned, then moved."""
+
+    position: Position = (0.0, 0.0, 0.0)
+    rotation: tuple[Rotation, ...] = ()
+    """Turns, applied in the order given."""
+    scale: Annotated[Dimensionless, Gt(0)] = 1.0

@@ -1,0 +1,131 @@
+"""The static solids of a scene as the fluid and the renderer need them: walls, surfaces, insides."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim.geometry.shapes import place
+from sim.geometry.solids import Solid, rotation_matrix
+from sim.geometry.spec import Placement, Plane
+from sim.settings import Refused
+from sim.spec import SIDES, BoxContainer, SimulationSpec
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A body with a surface mesh. `hollow`: its inside holds the fluid, as a mesh container's does."""
+
+    name: str
+    solid: Solid
+    hollow: bool = False
+
+    @functools.cached_property
+    def centre(self) -> np.ndarray:
+        """Centre of mass [m], or of the bounding box of a surface without inside, shape [3]."""
+        return self.solid.mass_properties(1.0).centre if self.solid.closed else self.solid.bounds.mean(axis=0)
+
+
+@dataclass(frozen=True)
+class PlaneWall:
+    """The half-space n.x < offset; `body` names what it belongs to."""
+
+    body: str
+    normal: np.ndarray
+    offset: float
+
+
+@dataclass(frozen=True)
+class Obstacles:
+    """All solids of a scene at one time."""
+
+    placed: list[Obstacle]
+    walls: list[PlaneWall]
+    boxes: dict[str, BoxContainer]
+
+    def planes(self) -> np.ndarray:
+        """Normals and offsets of all walls, shape [n, 4]."""
+        return np.array([[*wall.normal, wall.offset] for wall in self.walls]).reshape(-1, 4)
+
+    def bounds(self) -> list[np.ndarray]:
+        """Boxes around everything that ends somewhere [m], each of shape [2, 3]."""
+        return [np.asarray(item.solid.bounds) for item in self.placed] + self.box_bounds()
+
+    def box_surfaces(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """The closed sides of the box containers, facing inward: vertices [m] and triangles."""
+        return {name: _box_surface(container) for name, container in self.boxes.items()}
+
+    def box_bounds(self) -> list[np.ndarray]:
+        """The box containers' inner boxes [m], each of shape [2, 3]."""
+        return [box_bounds(container) for container in self.boxes.values()]
+
+
+def find_obstacles(spec: SimulationSpec, folder: Path) -> Obstacles:
+    """Load and place every rigid body and container; raises Refused with the path in the scene."""
+    placed: list[Obstacle] = []
+    walls: list[PlaneWall] = []
+    boxes: dict[str, BoxContainer] = {}
+    for name, body in (spec.rigid.bodies if spec.rigid else {}).items():
+        if isinstance(body.shape, Plane):
+            walls.append(_plane(name, body.shape, body))
+        else:
+            placed.append(Obstacle(name, _placed(body, folder, ("rigid", "bodies", name))))
+    for name, container in spec.containers.items():
+        if isinstance(container, BoxContainer):
+            boxes[name] = container
+            walls += _sides(name, container)
+        else:
+            solid = _placed(container, folder, ("containers", name))
+            placed.append(Obstacle(name, solid, hollow=True))
+    return Obstacles(placed, walls, boxes)
+
+
+def box_bounds(container: BoxContainer) -> np.ndarray:
+    """Lower and upper corner of a box container [m], shape [2, 3]."""
+    size, base = np.array(container.size), np.array(container.position)
+    low = base - [size[0] / 2, 0.0, size[2] / 2]
+    return np.array([low, low + size])
+
+
+def _placed(body: Placement, folder: Path, location: tuple[str, ...]) -> Solid:
+    try:
+        return place(body.shape, body, folder)
+    except Refused as refused:
+        raise refused.at(*location, *(() if refused.location else ("shape",))) from None
+
+
+def _plane(name: str, shape: Plane, placement: Placement) -> PlaneWall:
+    normal = rotation_matrix(placement.rotation) @ np.array(shape.normal)
+    normal /= np.linalg.norm(normal)
+    return PlaneWall(name, normal, float(normal @ np.array(placement.position)))
+
+
+def _sides(name: str, container: BoxContainer) -> list[PlaneWall]:
+    low, high = box_bounds(container)
+    walls = []
+    for index, side in enumerate(SIDES):
+        if side in container.open:
+            continue
+        axis, upper = divmod(index, 2)
+        normal = np.zeros(3)
+        normal[axis] = -1.0 if upper else 1.0
+        walls.append(PlaneWall(name, normal, float(normal[axis] * (high if upper else low)[axis])))
+    return walls
+
+
+def _box_surface(container: BoxContainer) -> tuple[np.ndarray, np.ndarray]:
+    corners = np.array([[(i >> axis) & 1 for axis in range(3)] for i in range(8)])
+    low, high = box_bounds(container)
+    faces = []
+    for index, side in enumerate(SIDES):
+        if side in container.open:
+            continue
+        axis, upper = divmod(index, 2)
+        u, v = (1 << ((axis + 1) % 3)), (1 << ((axis + 2) % 3))
+        base = (1 << axis) if upper else 0
+        quad = [base, base + u, base + u + v, base + v]
+        quad = quad[::-1] if upper else quad
+        faces += [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+    return low + corners * (high - low), np.array(faces)

@@ -1,0 +1,101 @@
+"""What a run leaves behind: frames, tables and the summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.files import FLUID_POINT, Table, write_mesh, write_points
+from sim.probes import COLUMNS as PROBE_COLUMNS
+from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.fluid.system import Measure
+    from sim.world import World
+
+BODY_COLUMNS = ("frame", "time", "body", "x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
+STEP_COLUMNS = ("step", "time", "dt", "wall_s")
+FLUID_COLUMNS = (
+    "n_fluid",
+    "density_error_avg",
+    "density_error_max",
+    "v_max",
+    "kinetic_energy",
+    "potential_energy",
+)
+
+
+class Output:
+    """The files of a run in one folder; rows and frames of a step that is repeated are dropped."""
+
+    def __init__(self, folder: Path, spec: SimulationSpec):
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self.has_fluid = spec.fluid is not None
+        self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS)
+        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + (FLUID_COLUMNS if self.has_fluid else ()))
+        self.probes = Table(folder / "probes.csv", PROBE_COLUMNS) if spec.probes else None
+        self._meshes: set[str] = set()
+
+    def step(self, step: int, time: float, dt: float, wall: float, world: World, measure: Measure | None) -> None:
+        """One row of steps.csv: energies in J, density errors as shares of the rest density."""
+        row = [step, time, dt, wall]
+        if measure is not None:
+            count = world.fluid.count
+            row += [
+                count,
+                measure.compression_sum / count if count else 0.0,
+                max(measure.density_max / world.spec.fluid.rest_density - 1.0, 0.0) if count else 0.0,
+                measure.v_max,
+                measure.kinetic_energy,
+                world.fluid.potential_energy(measure) if count else 0.0,
+            ]
+        self.steps.add(*row)
+
+    def frame(self, frame: int, time: float, world: World) -> None:
+        """Particles and bodies of one frame; the tables' rows up to it become final."""
+        if world.fluid is not None:
+            write_points(self.folder / f"fluid_{frame:05d}.ply", fluid_points(world))
+        for item in world.obstacles.placed:
+            self._mesh(item.name, "container" if item.hollow else "body", item)
+            if not item.hollow:
+                self.bodies.add(frame, time, item.name, *item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+        for name, (vertices, faces) in world.obstacles.box_surfaces().items():
+            if name not in self._meshes:
+                self._meshes.add(name)
+                write_mesh(self.folder / f"container_{name}.ply", vertices, faces)
+        for table in self._tables():
+            table.flush()
+
+    def drop_rows(self) -> None:
+        for table in self._tables():
+            table.drop()
+
+    def close(self) -> None:
+        for table in self._tables():
+            table.close()
+
+    def _tables(self) -> list[Table]:
+        return [self.bodies, self.steps] + ([self.probes] if self.probes else [])
+
+    def _mesh(self, name: str, kind: str, item) -> None:
+        if name not in self._meshes:
+            self._meshes.add(name)
+            mesh = item.solid.mesh
+            centre = np.zeros(3) if item.hollow else item.centre
+            write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces)
+
+
+def fluid_points(world: World) -> np.ndarray:
+    """The particles as FLUID_POINT records in the order of their identities, world coordinates."""
+    state = world.fluid.state()
+    points = np.empty(state.count, dtype=FLUID_POINT)
+    position = state.position[:, :3].astype(np.float64) + world.origin
+    for axis, name in enumerate("xyz"):
+        points[name] = position[:, axis]
+        points[f"v{name}"] = state.velocity[:, axis]
+    points["density"] = state.velocity[:, 3]
+    points["id"] = state.tag[:, 0]
+    return points[np.argsort(points["id"], kind="stable")]

@@ -1,0 +1,117 @@
+"""Measurements during a run, each at its own rate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.spec import BodyForce, Front, Pressure, Probe, SimulationSpec, Volume, WaterHeight
+
+if TYPE_CHECKING:
+    from sim.world import World
+
+COLUMNS = ("time", "probe", "quantity", "value", "unit")
+
+
+class Probes:
+    """The probes of a scene, and when each is due next [s]."""
+
+    def __init__(self, spec: SimulationSpec, due: dict[str, float] | None = None):
+        self.probes = spec.probes
+        self.fps = spec.fps
+        self.due = {name: 0.0 for name in self.probes} | (due or {})
+
+    def sample(self, world: World, time: float) -> Iterator[tuple[float, str, str, float, str]]:
+        """Rows for the probes that are due at or before `time` [s], with the time of this step."""
+        names = [name for name in self.probes if self.due[name] <= time + 1e-12]
+        if not names or world.fluid is None:
+            return
+        view = FluidView(world)
+        for name in names:
+            probe = self.probes[name]
+            rate = probe.rate or self.fps
+            self.due[name] = (math.floor(time * rate + 1e-6) + 1) / rate
+            for quantity, value, unit in view.read(probe):
+                yield time, name, quantity, value, unit
+
+
+class FluidView:
+    """Particles on the host, as one probe after another looks at them; world coordinates."""
+
+    def __init__(self, world: World):
+        part = world.fluid
+        state = part.state()
+        self.world = world
+        self.h = part.system.h
+        self.mass = part.system.mass
+        self.spec = part.system.spec
+        self.points = state.position[:, :3].astype(np.float64) + world.origin
+        self.density = state.velocity[:, 3].astype(np.float64)
+        self.pressure = state.position[:, 3].astype(np.float64) * self.density**2
+
+    def read(self, probe: Probe) -> list[tuple[str, float, str]]:
+        match probe:
+            case WaterHeight():
+                return [("water_height", self.water_height(probe.x, probe.z), "m")]
+            case Pressure():
+                return [("pressure", self.pressure_at(np.array(probe.at)), "Pa")]
+            case Front():
+                return [("front", self.front(probe.axis), "m")]
+            case Volume():
+                return [("volume", self.volume(), "m^3")]
+            case BodyForce():
+                force, torque = self.force_on(probe.body)
+                rows = [(f"force_{axis}", float(force[k]), "N") for k, axis in enumerate("xyz")]
+                return rows + [(f"torque_{axis}", float(torque[k]), "N m") for k, axis in enumerate("xyz")]
+        raise TypeError(f"no measurement for {type(probe).__name__}")
+
+    def water_height(self, x: float, z: float) -> float:
+        """Highest point on the vertical line where the fluid fills half of the kernel [m]; nan without fluid there."""
+        across = np.hypot(self.points[:, 0] - x, self.points[:, 2] - z)
+        near = self.points[across < self.h]
+        if not len(near):
+            return math.nan
+        from sim.fluid.kernel import cubic_host
+
+        volume = self.mass / self.spec.rest_density
+        heights = np.arange(near[:, 1].max() + self.h, near[:, 1].min() - self.h, -self.h / 16)
+        offsets = np.hypot(near[:, 0] - x, near[:, 2] - z)
+        filled = np.array([cubic_host(np.hypot(offsets, near[:, 1] - y), self.h).sum() for y in heights]) * volume
+        above = np.flatnonzero(filled >= 0.5)
+        if not len(above) or above[0] == 0:
+            return math.nan
+        k = above[0]
+        share = (0.5 - filled[k - 1]) / (filled[k] - filled[k - 1])
+        return float(heights[k - 1] + share * (heights[k] - heights[k - 1]))
+
+    def pressure_at(self, at: np.ndarray) -> float:
+        """Mean of the particles' pressures around a point, weighted by the kernel (Shepard 1968) [Pa]; 0 in air."""
+        from sim.fluid.kernel import cubic_host
+
+        weights = cubic_host(np.linalg.norm(self.points - at, axis=1), self.h) * self.mass / np.maximum(self.density, 1)
+        total = weights.sum()
+        return float((weights * self.pressure).sum() / total) if total > 0 else 0.0
+
+    def front(self, axis: str) -> float:
+        """Furthest particle's surface along the axis [m]; negative axes measure downwards along it."""
+        if not len(self.points):
+            return math.nan
+        along = self.points[:, "xyz".index(axis[-1])]
+        radius = self.spec.particle_radius
+        return float(along.min() - radius) if axis.startswith("-") else float(along.max() + radius)
+
+    def volume(self) -> float:
+        """Sum of m / rho; a density below rest, as at the free surface, is the kernel's lack and not the fluid's [m^3]."""
+        return float((self.mass / np.maximum(self.density, self.spec.rest_density)).sum())
+
+    def force_on(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and torque about its centre of mass [N m] that the fluid exerts on a solid."""
+        from sim.coupling.fluid_rigid import reaction
+
+        for index, item in enumerate(self.world.obstacles.placed):
+            if item.name == body:
+                return reaction(self.world.fluid.system, index, item.centre - self.world.origin)
+        return np.zeros(3), np.zeros(3)

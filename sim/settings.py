@@ -1,0 +1,49 @@
+"""The base of every group of settings, and the error that refuses one."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, StringConstraints
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,63}$")]
+"""Name of a body, sheet, container or probe: it becomes part of file names."""
+
+
+class Settings(BaseModel):
+    """Immutable, typed settings; an unknown key is an error."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True, validate_default=False
+    )
+
+    def canonical(self) -> str:
+        """One JSON string for equal settings, whatever their order, spelling or unit in the file."""
+        return canonical_json(self.model_dump(mode="json", exclude_none=True))
+
+
+def canonical_json(data: Any) -> str:
+    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+class Refused(Exception):
+    """A setting or an asset that can not be simulated as given; the process exits with 2.
+
+    `location` is the path of keys in the scene, `remedy` says what would be right.
+    """
+
+    def __init__(self, message: str, *, location: tuple[str | int, ...] = (), remedy: str = ""):
+        super().__init__(message)
+        self.message = message
+        self.location = location
+        self.remedy = remedy
+
+    def at(self, *location: str | int) -> Refused:
+        """The same refusal, located further out in the scene."""
+        return Refused(self.message, location=(*location, *self.location), remedy=self.remedy)
+
+    def __str__(self) -> str:
+        field = ".".join(str(part) for part in self.location)
+        text = f"{field}: {self.message}" if field else self.message
+        return f"{text}. {self.remedy}" if self.remedy else text

@@ -1,0 +1,211 @@
+"""Typed settings of the simulation stage.
+
+`SimulationSpec` is all that a segment of the simulation depends on: neither the duration nor
+anything of the later stages is part of it, so that a longer film repeats no segment.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from annotated_types import Ge, Gt, Le
+from pydantic import Field, model_validator
+
+from sim.cloth.spec import Cloth, ClothSheet
+from sim.fluid.spec import Fluid, FluidBody
+from sim.geometry.spec import MeshFile, Placement
+from sim.rigid.spec import Rigid, RigidBody
+from sim.settings import Name, Settings
+from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
+
+Side = Literal["left", "right", "bottom", "top", "back", "front"]
+SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
+"""-x, +x, -y, +y, -z, +z: the order of the planes of a box."""
+
+
+class BoxContainer(Settings):
+    """Walls around a cuboid. A closed side goes on without end beyond the cuboid."""
+
+    type: Literal["box"]
+    size: Extents
+    """Inner edge lengths along x, y and z [m]."""
+    position: Position = (0.0, 0.0, 0.0)
+    """Centre of the bottom face [m]."""
+    open: tuple[Side, ...] = ("top",)
+    """Sides without a wall."""
+
+    @model_validator(mode="after")
+    def _has_a_wall(self) -> Self:
+        if set(self.open) == set(SIDES):
+            raise ValueError("a container with all sides open holds nothing: leave one side closed")
+        return self
+
+
+class MeshContainer(Placement):
+    """The inside of a closed mesh."""
+
+    type: Literal["mesh"]
+    shape: MeshFile
+
+
+Container = Annotated[BoxContainer | MeshContainer, Field(discriminator="type")]
+
+
+class TimeStep(Settings):
+    """How the time step is chosen."""
+
+    cfl: Annotated[Dimensionless, Gt(0), Le(1)] = 0.4
+    """Largest way of the fastest signal in one step, over half the support radius."""
+    maximum: PositiveDuration | None = None
+    """Never longer than this [s]."""
+    fixed: PositiveDuration | None = None
+    """The same step throughout [s]; refused, or stopped, where it is beyond the stability limit."""
+
+    @model_validator(mode="after")
+    def _one_policy(self) -> Self:
+        if self.fixed is not None and self.maximum is not None:
+            raise ValueError("fixed and maximum exclude each other")
+        return self
+
+
+class WaterHeight(Settings):
+    """Height of the fluid's surface above a point of the ground plane [m]."""
+
+    type: Literal["water_height"]
+    x: Annotated[float, Field(description="Position of the vertical line [m].")]
+    z: Annotated[float, Field(description="Position of the vertical line [m].")] = 0.0
+    rate: Frequency | None = None
+
+
+class Pressure(Settings):
+    """Pressure of the fluid at a point [Pa]."""
+
+    type: Literal["pressure"]
+    at: Position
+    rate: Frequency | None = None
+
+
+class Front(Settings):
+    """How far the fluid reaches along an axis [m]."""
+
+    type: Literal["front"]
+    axis: Literal["x", "y", "z", "-x", "-y", "-z"]
+    rate: Frequency | None = None
+
+
+class Volume(Settings):
+    """Volume of the fluid, each particle at its own density [m^3]."""
+
+    type: Literal["volume"]
+    rate: Frequency | None = None
+
+
+class BodyForce(Settings):
+    """Force [N] and torque about the centre of mass [N m] of the fluid on a rigid body."""
+
+    type: Literal["force"]
+    body: Name
+    rate: Frequency | None = None
+
+
+class VertexPosition(Settings):
+    """Position of a vertex of a cloth sheet [m]."""
+
+    type: Literal["vertex"]
+    sheet: Name
+    vertex: Annotated[int, Ge(0)]
+    rate: Frequency | None = None
+
+
+Probe = Annotated[
+    WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition, Field(discriminator="type")
+]
+
+
+class Addition(Settings):
+    """What an event brings in."""
+
+    fluid: dict[Name, FluidBody] = {}
+    rigid: dict[Name, RigidBody] = {}
+    cloth: dict[Name, ClothSheet] = {}
+    containers: dict[Name, Container] = {}
+
+    def names(self) -> list[str]:
+        return [*self.fluid, *self.rigid, *self.cloth, *self.containers]
+
+
+class Event(Settings):
+    """A change of the scene at a time."""
+
+    at: PositiveDuration
+    add: Addition = Addition()
+    remove: tuple[Name, ...] = ()
+    """Names of bodies, sheets or containers that vanish."""
+    set: dict[str, Any] = {}
+    """New values by dotted path, as `fluid.viscosity: 0.01` or `gravity: [0, 0, 0]`."""
+
+    @model_validator(mode="after")
+    def _does_something(self) -> Self:
+        if not (self.add.names() or self.remove or self.set):
+            raise ValueError("an event needs add, remove or set")
+        return self
+
+
+class SimulationSpec(Settings):
+    """Everything that the simulation depends on."""
+
+    fps: Annotated[Frequency, Le(10_000)] = 24.0
+    """Frames per simulated second [Hz]."""
+    gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, -9.81, 0.0)
+    step: TimeStep = TimeStep()
+    containers: dict[Name, Container] = {}
+    """Walls that hold what is inside them."""
+    fluid: Fluid | None = None
+    rigid: Rigid | None = None
+    cloth: Cloth | None = None
+    probes: dict[Name, Probe] = {}
+    """Quantities recorded in probes.csv."""
+    events: tuple[Event, ...] = ()
+    """Changes at given times; sorted by time."""
+
+    @model_validator(mode="after")
+    def _events_in_order(self) -> Self:
+        times = [event.at for event in self.events]
+        if times != sorted(times):
+            raise ValueError("events must be sorted by their time")
+        return self
+
+    def materials(self) -> frozenset[str]:
+        """Which of fluid, rigid and cloth the scene needs, at the start or through an event."""
+        present = {name for name in ("fluid", "rigid", "cloth") if getattr(self, name) is not None}
+        for event in self.events:
+            present |= {name for name in ("fluid", "rigid", "cloth") if getattr(event.add, name)}
+        return frozenset(present)
+
+    def body_names(self) -> list[str]:
+        """Names of all bodies, sheets and containers, of the start and of the events."""
+        names = [*self.containers]
+        names += self.fluid.bodies if self.fluid else []
+        names += self.rigid.bodies if self.rigid else []
+        names += self.cloth.sheets if self.cloth else []
+        for event in self.events:
+            names += event.add.names()
+        return names
+
+    def placements(self) -> list[tuple[tuple[str | int, ...], Any]]:
+        """Every body with a shape, with its path in the scene."""
+        found: list[tuple[tuple[str | int, ...], Any]] = []
+        for group, field in (("fluid", "bodies"), ("rigid", "bodies"), ("cloth", "sheets")):
+            material = getattr(self, group)
+            if material is not None:
+                found += [((group, field, name), body) for name, body in getattr(material, field).items()]
+        found += [(("containers", name), body) for name, body in self.containers.items()]
+        for index, event in enumerate(self.events):
+            for group in ("fluid", "rigid", "cloth", "containers"):
+                bodies = getattr(event.add, group)
+                found += [(("events", index, "add", group, name), body) for name, body in bodies.items()]
+        return found
+
+    def before(self, time: float) -> SimulationSpec:
+        """The same settings without the events at or after `time` [s]: what a segment that ends then depends on."""
+        return self.model_copy(update={"events": tuple(event for event in self.events if event.at < time)})

@@ -1,0 +1,239 @@
+"""From frame to frame: time steps, events, retries, checkpoints."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim import runtime
+from sim.checkpoint import Checkpoint, Clock
+from sim.events import spec_at
+from sim.failure import FIXED_MARGIN, MAX_RETRIES, Fault, Stopped, find_fault, report
+from sim.output import Output
+from sim.probes import Probes
+from sim.settings import Refused
+from sim.spec import SimulationSpec
+from sim.stopwatch import Stopwatch
+from sim.world import Counts, World
+
+if TYPE_CHECKING:
+    from sim.fluid.part import FluidState
+    from sim.fluid.system import Measure
+
+GROWTH = 1.1
+"""A step is at most this much longer than the one before: it falls at once and rises slowly."""
+RECOVERY = 2.0
+"""After a frame without a fault, a shortened step may be this much longer in the next frame."""
+TIME_TOLERANCE = 1e-12
+"""Times closer than this [s] are the same."""
+LONGEST_STEP = 1.0
+"""The step [s] where nothing limits it; frames and events cut it."""
+
+
+class Run:
+    """A simulation, frame by frame; `spec` holds the events up to its end.
+
+    Raises Refused for a scene that can not be built.
+    """
+
+    def __init__(
+        self,
+        spec: SimulationSpec,
+        folder: Path,
+        *,
+        threads: int | None = None,
+        arch: str = "auto",
+        warn: Callable[[str], None] = print,
+    ):
+        self.spec = spec
+        self.folder = folder
+        self.threads = threads
+        self.arch = arch
+        self.warn = warn
+        self.device = "none"
+        self.clock = Clock()
+        self.counts = Counts()
+        self.probes = Probes(spec)
+        self.stopwatch = Stopwatch()
+        self.measure: Measure | None = None
+        self.steps_taken = 0
+        self.particle_steps = 0
+        with self.stopwatch.phase("build"):
+            self.world = World(spec_at(spec, 0.0), folder)
+
+    def start(self) -> None:
+        """Make the particles of the start."""
+        state = None
+        if self.spec.fluid is not None:
+            from sim.fluid.part import FluidState
+
+            with self.stopwatch.phase("build"):
+                state = self._pour(FluidState(), list(self.spec.fluid.bodies))
+        self._build(state, going_on=False)
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Go on from a checkpoint, byte for byte as the run that made it."""
+        self.clock = Clock(**asdict(checkpoint.clock))
+        self.counts = Counts(**checkpoint.counts)
+        self.probes = Probes(self.spec, checkpoint.probe_times)
+        with self.stopwatch.phase("build"):
+            self.world = World(spec_at(self.spec, self.clock.time), self.folder, checkpoint.origin)
+        self._build(checkpoint.fluid, going_on=True)
+
+    def checkpoint(self) -> Checkpoint:
+        """The state between two steps."""
+        return Checkpoint(
+            clock=Clock(**asdict(self.clock)),
+            counts=asdict(self.counts),
+            probe_times=dict(self.probes.due),
+            origin=self.world.origin,
+            fluid=self.world.fluid.state() if self.world.fluid else None,
+        )
+
+    def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> Checkpoint:
+        """Simulate up to frame `last`, write every frame, call `done` after each; returns the last state.
+
+        `write_first`: write the present frame too. Raises Stopped where a frame fails in spite of
+        retries; all frames written until then are good.
+        """
+        good = self.checkpoint()
+        if write_first:
+            self._sample(output)
+            self._write(output)
+            good = self.checkpoint()
+            done()
+        while self.clock.frame < last:
+            self._frame(good, output)
+            self._write(output)
+            good = self.checkpoint()
+            done()
+        return good
+
+    def _frame(self, good: Checkpoint, output: Output) -> None:
+        """Simulate one frame, again with half the step where a fault is found."""
+        for retry in range(MAX_RETRIES + 1):
+            fault = self._try_frame(output)
+            if fault is None:
+                if retry == 0:
+                    self.clock.step_scale = min(1.0, good.clock.step_scale * RECOVERY)
+                return
+            output.drop_rows()
+            if retry == MAX_RETRIES or self.spec.step.fixed is not None:
+                raise Stopped(good, report(self, fault, good.clock, retry))
+            retries = self.counts.retries + 1
+            self.resume(good)
+            self.counts.retries = retries
+            self.clock.step_scale = good.clock.step_scale * 0.5 ** (retry + 1)
+            self.warn(f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step")
+        raise AssertionError("unreachable")
+
+    def _try_frame(self, output: Output) -> Fault | None:
+        target = (self.clock.frame + 1) / self.spec.fps
+        while self.clock.time < target - TIME_TOLERANCE:
+            coming = [event.at for event in self.spec.events if event.at > self.clock.time + TIME_TOLERANCE]
+            until = min([target, *coming])
+            fault = self._advance_to(until, output)
+            if fault is not None:
+                return fault
+            if until in coming:
+                self._apply_events(until)
+        self.clock.frame += 1
+        return None
+
+    def _advance_to(self, until: float, output: Output) -> Fault | None:
+        """Step to the time `until` [s] exactly."""
+        while self.clock.time < until - TIME_TOLERANCE:
+            start = time.perf_counter()
+            rest = until - self.clock.time
+            wanted = self._wanted_step()
+            dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
+            self.world.advance(dt)
+            self.measure = self.world.measure()
+            self.clock.time = until if dt == rest else self.clock.time + dt
+            self.clock.last_step = wanted
+            self.clock.step += 1
+            wall = time.perf_counter() - start
+            self.stopwatch.add("stepping", wall)
+            fault = find_fault(self.world, self.measure, dt)
+            if fault is not None:
+                return fault
+            self.steps_taken += 1
+            self.particle_steps += self.world.fluid.count if self.world.fluid else 0
+            output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure)
+            self._sample(output)
+        return None
+
+    def _wanted_step(self) -> float:
+        """The step [s] before the end of a frame cuts it."""
+        step = self.spec.step
+        if step.fixed is not None:
+            return step.fixed
+        limits = [self.world.step_limit(self.measure), LONGEST_STEP]
+        if step.maximum is not None:
+            limits.append(step.maximum)
+        if self.clock.last_step > 0:
+            limits.append(GROWTH * self.clock.last_step)
+        return min(limits)
+
+    def _apply_events(self, now: float) -> None:
+        """Build the world anew as the events at this time want it, with the particles there are."""
+        state = self.world.fluid.state() if self.world.fluid else None
+        names = self._body_names()
+        with self.stopwatch.phase("build"):
+            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin)
+            for event in self.spec.events:
+                if event.at == now and state is not None:
+                    for name in event.remove:
+                        if name in names:
+                            before = state.count
+                            state = state.without_body(names.index(name))
+                            self.counts.particles_removed_by_events += before - state.count
+                    state = self._pour(state, list(event.add.fluid))
+        self._build(state, going_on=False)
+
+    def _body_names(self) -> list[str]:
+        """Fluid bodies in the order in which they are numbered: those of the start, then of the events."""
+        names = list(self.spec.fluid.bodies) if self.spec.fluid else []
+        return names + [name for event in self.spec.events for name in event.add.fluid]
+
+    def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
+        return self.world.pour(state, self._body_names(), bodies, self.counts) if bodies else state
+
+    def _build(self, state: FluidState | None, *, going_on: bool) -> None:
+        if state is not None:
+            with self.stopwatch.phase("compile"):
+                self.device = runtime.start(threads=self.threads, arch=self.arch)
+        with self.stopwatch.phase("build"):
+            self.world.build(state, going_on=going_on)
+            self.measure = self.world.measure()
+        self._refuse_fixed_step()
+
+    def _refuse_fixed_step(self) -> None:
+        fixed = self.spec.step.fixed
+        limit = self.world.step_limit(self.measure) * FIXED_MARGIN
+        if fixed is not None and fixed > limit:
+            raise Refused(
+                f"a fixed step of {fixed:.3g} s is beyond the stability limit of {limit:.3g} s",
+                location=("step", "fixed"),
+                remedy="use a shorter step, or leave it out for an adaptive one",
+            )
+
+    def _sample(self, output: Output) -> None:
+        if output.probes is not None:
+            with self.stopwatch.phase("probes"):
+                for row in self.probes.sample(self.world, self.clock.time):
+                    output.probes.add(*row)
+
+    def _write(self, output: Output) -> None:
+        with self.stopwatch.phase("output"):
+            output.frame(self.clock.frame, self.clock.time, self.world)
+
+
+def _fit(step: float, rest: float, *, even: bool) -> float:
+    """The step that lands on the end of `rest` [s]; `even` shares the last two steps out evenly."""
+    if step >= rest:
+        return rest
+    return rest / 2 if even and 2 * step > rest else step

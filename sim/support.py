@@ -1,0 +1,43 @@
+"""Which settings of the schema are simulated: the rest is refused by name, never ignored."""
+
+from __future__ import annotations
+
+from sim.fluid import SOLVERS
+from sim.settings import Refused
+from sim.spec import BoxContainer, SimulationSpec
+
+
+def refuse_unsupported(spec: SimulationSpec) -> None:
+    """Raise Refused for the first setting that the schema knows and no solver does yet."""
+    if spec.cloth is not None:
+        raise Refused("cloth is not simulated yet", location=("cloth",), remedy="remove the cloth from the scene")
+    if spec.fluid is not None and spec.fluid.solver not in SOLVERS:
+        raise Refused(
+            f"the pressure solver '{spec.fluid.solver}' is not available yet",
+            location=("fluid", "solver"),
+            remedy=f"use {' or '.join(sorted(SOLVERS))}",
+        )
+    for location, body in spec.placements():
+        group = location[-2] if location[0] == "events" else location[0]
+        if group == "cloth":
+            raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
+        if group == "rigid" and body.motion != "static":
+            raise Refused(
+                f"rigid bodies with motion '{body.motion}' are not simulated yet",
+                location=(*location, "motion"),
+                remedy="use motion: static",
+            )
+        if group == "containers" and not isinstance(body, BoxContainer) and spec.fluid is None:
+            raise Refused("a mesh container without fluid holds nothing", location=location, remedy="add fluid")
+    for name, probe in spec.probes.items():
+        if probe.type == "vertex":
+            raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")
+        if spec.fluid is None:
+            raise Refused("this probe measures fluid, and the scene has none", location=("probes", name), remedy="remove it")
+    for index, event in enumerate(spec.events):
+        if event.add.fluid and spec.fluid is None:
+            raise Refused(
+                "fluid can only be added to a scene that has a fluid section",
+                location=("events", index, "add", "fluid"),
+                remedy="give the fluid section with at least one body",
+            )

@@ -1,0 +1,149 @@
+"""The scene at run time: which materials there are, what they meet, and how they step together."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.obstacles import Obstacles, find_obstacles
+from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.fluid.part import FluidPart, FluidState
+    from sim.fluid.sources import Source
+    from sim.fluid.system import Measure
+
+SURFACE_DEPTH = 0.6
+"""Boundary samples lie this many spacings below a surface: fluid rests 1.1 spacings off a layer of
+samples (where they add what a lattice lacks), and so half a spacing off the surface."""
+
+
+@dataclass
+class Counts:
+    """What was added, removed or repeated, for the summary."""
+
+    particles_started: int = 0
+    particles_without_room: int = 0
+    particles_removed_by_events: int = 0
+    retries: int = 0
+
+
+class World:
+    """The materials and solids of a specification without events.
+
+    Modules of a material that the scene does not have are not imported.
+    """
+
+    def __init__(self, spec: SimulationSpec, folder: Path, origin: np.ndarray | None = None):
+        """Place everything; raises Refused. `origin` [m] is given when a run goes on."""
+        self.spec = spec
+        self.folder = folder
+        self.gravity = np.array(spec.gravity)
+        self.obstacles = find_obstacles(spec, folder)
+        self.sources = self._find_sources()
+        self.bounds = action_bounds(self.sources, self.obstacles)
+        self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
+        self.fluid: FluidPart | None = None
+
+    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts) -> FluidState:
+        """`state` with the particles of the fluid `bodies`; `names` numbers all bodies of the scene."""
+        from sim.coupling.fluid_rigid import allowed
+        from sim.fluid.part import pour
+
+        for source in self.sources:
+            if source.name in bodies:
+                state, homeless = pour(
+                    state,
+                    source,
+                    names.index(source.name),
+                    self.spec.fluid,
+                    self.origin,
+                    lambda points, clearance: allowed(self.obstacles, points, clearance),
+                )
+                counts.particles_without_room += homeless
+                counts.particles_started += len(source.points) - homeless
+        return state
+
+    def build(self, state: FluidState | None, *, going_on: bool) -> None:
+        """Build what steps; `going_on` takes accelerations as they are in `state`."""
+        if state is None:
+            return
+        from sim.coupling.fluid_rigid import boundary_samples
+        from sim.fluid.part import FluidPart, Surroundings
+
+        spacing = self.spec.fluid.spacing
+        samples, owner = boundary_samples(self.obstacles, spacing, SURFACE_DEPTH * spacing)
+        self.fluid = FluidPart(
+            self.spec.fluid,
+            self.gravity,
+            self.origin,
+            state,
+            Surroundings(self.obstacles.planes(), samples, owner),
+            drop=max((self._extent_up(source.bounds)[1] for source in self.sources), default=0.0) - self.floor,
+            fastest=max((float(np.linalg.norm(source.velocity)) for source in self.sources), default=0.0),
+        )
+        if not going_on:
+            self.fluid.solver.start()
+
+    def step_limit(self, measure: Measure | None) -> float:
+        """Largest stable time step [s]; infinite where nothing moves."""
+        if measure is None or not self.fluid.count:
+            return math.inf
+        return self.fluid.solver.step_limit(measure.v_max, measure.a_max, self.spec.step.cfl)
+
+    def advance(self, dt: float) -> None:
+        """Step all materials by dt [s]."""
+        if self.fluid and self.fluid.count:
+            self.fluid.solver.advance(dt)
+
+    def measure(self) -> Measure | None:
+        """Extremes, sums and error counts of the fluid; None without one."""
+        return self.fluid.measure(self.floor) if self.fluid else None
+
+    def bytes_by_module(self) -> dict[str, int]:
+        return {"fluid": self.fluid.system.bytes} if self.fluid else {}
+
+    @property
+    def floor(self) -> float:
+        """Height of the lowest solid or fluid [m], along the direction against gravity."""
+        heights = [self._extent_up(np.asarray(bounds))[0] for bounds in self.obstacles.bounds()]
+        heights += [self._extent_up(source.bounds)[0] for source in self.sources]
+        heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
+        return min(heights, default=0.0)
+
+    @property
+    def _up(self) -> np.ndarray:
+        g = np.linalg.norm(self.gravity)
+        return -self.gravity / g if g > 0 else np.array([0.0, 1.0, 0.0])
+
+    def _extent_up(self, bounds: np.ndarray) -> tuple[float, float]:
+        low, high = bounds[0] * self._up, bounds[1] * self._up
+        return float(np.minimum(low, high).sum()), float(np.maximum(low, high).sum())
+
+    def _find_sources(self) -> list[Source]:
+        if self.spec.fluid is None:
+            return []
+        from sim.fluid.sources import find_source
+
+        bodies = self.spec.fluid.bodies
+        return [
+            find_source(name, body, self.spec.fluid, self.folder, ("fluid", "bodies", name))
+            for name, body in bodies.items()
+        ]
+
+
+def action_bounds(sources: list[Source], obstacles: Obstacles) -> np.ndarray:
+    """Box around all that happens [m], shape [2, 3]: fluid, bodies, and containers as high as those."""
+    boxes = [np.array(box) for box in obstacles.box_bounds()]
+    inner = [np.asarray(source.bounds) for source in sources]
+    inner += [np.asarray(item.solid.bounds) for item in obstacles.placed]
+    inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
+    top = max(box[1][1] for box in inner)
+    for box in boxes:
+        box[1][1] = min(box[1][1], max(top, box[0][1]))
+    everything = np.array(inner + boxes)
+    return np.array([everything[:, 0].min(axis=0), everything[:, 1].max(axis=0)])

@@ -1,0 +1,135 @@
+"""The scenes of the project by name: `scenes/tiny/splash.yaml` is `tiny/splash`.
+
+`python -m workflow.catalog` lists them and says how to make their films.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+from workflow.document import SceneError
+from workflow.plan import FILMS, Job, Plan
+from workflow.results import Unrecorded, refuse_unrecorded, repairs
+from workflow.scene import QUALITIES, load
+
+SCENES = "scenes"
+CONFIG_KEYS = ("quality",)
+
+
+def names(folder: Path = Path(SCENES)) -> list[str]:
+    """Names of all scenes, sorted."""
+    return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
+
+
+def find(name: str, folder: Path = Path(SCENES)) -> Path:
+    """The file of a scene; raises SceneError, with the names that are close, where there is none."""
+    path = folder / f"{name}.yaml"
+    known = names(folder)
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+        close += [other for other in known if other.endswith(f"/{name}") or name.startswith(f"{other}/")]
+        hint = " or ".join(f"{FILMS}/{other}" for other in dict.fromkeys(close))
+        fix = f"did you mean {hint}?" if hint else f"the scenes are {', '.join(known) or 'none yet'}"
+        raise SceneError([f"there is no scene '{name}': no file {path}\n  fix: {fix}"])
+    if (folder / name).is_dir():
+        raise SceneError(
+            [
+                f"{path} and the folder {folder / name}/ have the same name: their films would be written "
+                f"into one another\n  fix: rename one of them"
+            ]
+        )
+    return path
+
+
+class Catalog:
+    """Plans of the scenes, each made once; every failure ends the process with its message."""
+
+    def __init__(self, root: Path, config: Mapping[str, Any]):
+        self._root = root
+        self._plans: dict[tuple[str, str | None], Plan] = {}
+        self._checked: set[str] = set()
+        for key in config:
+            if key not in CONFIG_KEYS:
+                stop(f"--config {key}: unknown setting\n  fix: known here: {', '.join(CONFIG_KEYS)}")
+        self._quality = config.get("quality")
+        if self._quality is not None and self._quality not in QUALITIES:
+            stop(f"--config quality={self._quality}: no such preset\n  fix: one of {', '.join(QUALITIES)}")
+
+    def plan(self, name: str, quality: str | None = None) -> Plan:
+        key = (name, quality or self._quality)
+        if key not in self._plans:
+            try:
+                self._plans[key] = Plan(load(find(name), quality=key[1]), self._root)
+            except SceneError as error:
+                stop(str(error))
+        return self._plans[key]
+
+    def job(self, stage: str, wildcards: Any) -> Job:
+        """The job that a rule's wildcards mean: scene, quality, and the number of the part."""
+        plan = self.plan(wildcards.scene, wildcards.get("quality"))
+        try:
+            job = plan.job(stage, int(wildcards.get("segment", wildcards.get("block", 0))))
+        except IndexError as error:
+            stop(f"{plan.scene.name}: {error}")
+        if job.folder not in self._checked:
+            try:
+                refuse_unrecorded([job])
+            except Unrecorded as error:
+                stop(str(error))
+            self._checked.add(job.folder)
+        return job
+
+    def of(self, stage: str) -> Callable[..., Callable[[Any], Any]]:
+        """`of("render")("spec")` is a function of the wildcards, as rules take it."""
+
+        def field(name: str) -> Callable[[Any], str]:
+            return lambda wildcards: str(getattr(self.job(stage, wildcards), name))
+
+        return field
+
+    def repairs(self, stage: str) -> Callable[[Any], str]:
+        """A function of the wildcards: a value that changes while the result is damaged."""
+
+        def count(wildcards: Any) -> str:
+            job = self.job(stage, wildcards)
+            plan = self.plan(wildcards.scene, wildcards.get("quality"))
+            return repairs(job, complete=stage != "film" or _copied(plan, job))
+
+        return count
+
+
+def _copied(plan: Plan, film: Job) -> bool:
+    """Whether the copy of the film that the scene asks for is there."""
+    copy = plan.scene.film.copy_path(Path.cwd())
+    original = Path(film.folder, f"{Path(film.folder).name}.mp4")
+    return copy is None or (original.exists() and copy.exists() and copy.stat().st_size == original.stat().st_size)
+
+
+def stop(message: str) -> NoReturn:
+    """End the process with a message and without a traceback."""
+    print(re.sub(r"^", "tidemill: ", message, count=1), file=sys.stderr, flush=True)
+    raise SystemExit(1)
+
+
+def main() -> None:
+    print("Make the film of a scene with")
+    print("\n  snakemake --cores all renders/NAME [--config quality=draft|standard|final]\n")
+    known = names()
+    width = max(map(len, known), default=0)
+    print("Scenes:" if known else f"There is no scene in {SCENES}/ yet.")
+    for name in known:
+        try:
+            scene = load(find(name))
+            about = scene.document.data.get("description") or f"{scene.duration:g} s, {scene.last_frame + 1} frames"
+        except SceneError as error:
+            about = f"refused: {error.problems[0].splitlines()[0]}"
+        print(f"  {FILMS}/{name:<{width}}  {' '.join(str(about).split())}")
+
+
+if __name__ == "__main__":
+    main()

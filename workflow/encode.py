@@ -1,0 +1,31 @@
+"""Pictures become a film that plays everywhere: H.264 in MP4, by the ffmpeg that imageio-ffmpeg brings."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import imageio_ffmpeg
+
+
+class EncoderFailed(Exception):
+    """ffmpeg ended with an error; the text is what it said."""
+
+
+def encode(frames: Path, film: Path, *, fps: float, crf: int) -> None:
+    """Make `film` from frames/00000.png, 00001.png, ... shown at `fps` [Hz]; the same frames give the same bytes.
+
+    Odd sizes are padded to even ones, as the format needs. Raises EncoderFailed.
+    """
+    reproducible = ["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-threads", "1"]
+    command = [
+        *(imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-hide_banner", "-loglevel", "error", "-y"),
+        *("-framerate", f"{fps:.12g}", "-i", str(frames / "%05d.png")),
+        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"),
+        *("-c:v", "libx264", "-crf", str(crf), "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        *reproducible,
+        *("-f", "mp4", str(film)),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    if done.returncode:
+        raise EncoderFailed(done.stderr.strip() or f"ffmpeg ended with exit code {done.returncode}")

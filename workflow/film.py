@@ -1,0 +1,140 @@
+"""Frames become what people look at: a film, a contact sheet, tables, plots and a summary.
+
+example: the film of two blocks of frames
+  python -m workflow.film --spec '{"name": "splash", "fps": 24, "last_frame": 8}' \\
+      --frames-from run/frames/000 run/frames/001 --simulation run/simulation --out renders/splash
+
+It writes splash.mp4, frames/00000.png ..., contact.png and summary.json; with --simulation also
+steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON or the name of a JSON file.
+
+exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from sim.settings import Refused
+from workflow.film_spec import FilmJobSpec
+from workflow.stage import Stopwatch, exit_code, read_spec, write_json, write_whole
+
+
+def run(
+    spec: FilmJobSpec,
+    blocks: Sequence[Path],
+    out: Path,
+    *,
+    simulation: Sequence[Path] = (),
+    surface: Sequence[Path] = (),
+) -> None:
+    """Write the folder of a film; raises Refused where a frame is missing or a picture can not be used."""
+    watch = Stopwatch()
+    film = spec.film
+    title = spec.name.rpartition("/")[2]
+    with watch.phase("import"):
+        from workflow import plots, summaries, tables
+        from workflow.contact_sheet import contact_sheet
+        from workflow.encode import EncoderFailed, encode
+    with watch.phase("copy"):
+        pictures = _copy_frames(blocks, out / "frames", spec.last_frame)
+    size = _common_size(pictures)
+    playback = film.playback_fps or spec.fps
+    video = out / f"{title}.mp4"
+    with watch.phase("encode"):
+        try:
+            write_whole(video, lambda partial: encode(out / "frames", partial, fps=playback, crf=film.crf))
+        except EncoderFailed as error:
+            raise Refused(f"the film can not be encoded: {error}") from None
+    with watch.phase("contact_sheet"):
+        sheet = contact_sheet(pictures, fps=spec.fps, title=title, spec=film.contact_sheet)
+        write_whole(out / "contact.png", lambda partial: sheet.save(partial, format="PNG"))
+    with watch.phase("tables"):
+        for name in tables.TABLES:
+            tables.concatenate([folder / name for folder in simulation], out / name)
+    steps = out / "steps.csv"
+    with watch.phase("plots"):
+        if steps.exists():
+            frames, volumes = summaries.volumes(surface)
+            curve = ([frame / spec.fps for frame in frames], volumes)
+            write_whole(out / "plots.png", lambda partial: plots.plot(steps, partial, title=title, volume=curve))
+    with watch.phase("copy"):
+        copy = film.copy_path(Path.cwd())
+        if copy is not None:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(copy, lambda partial: shutil.copyfile(video, partial))
+    stages = {"simulate": simulation, "reconstruct": surface, "render": blocks}
+    summary = summaries.merged(stages, steps if steps.exists() else None)
+    summary["versions"]["imageio-ffmpeg"] = version("imageio-ffmpeg")
+    summary["wall_s"]["film"] = watch.report()
+    summary["wall_s"]["total"] = round(sum(phases.get("total", 0.0) for phases in summary["wall_s"].values()), 3)
+    about = {
+        "name": spec.name,
+        "quality": spec.quality,
+        "frames": len(pictures),
+        "fps": spec.fps,
+        "playback_fps": playback,
+        "size": size,
+        "film_bytes": video.stat().st_size,
+    }
+    write_json(out / "summary.json", {"status": summary.pop("status"), **about, **summary})
+    print(f"film of {len(pictures)} frames, {size[0]} x {size[1]}, {video.stat().st_size / 1e6:.2f} MB")
+
+
+def _copy_frames(blocks: Sequence[Path], target: Path, last_frame: int) -> list[Path]:
+    """Copies of the frames 0 to `last_frame`, in order."""
+    found = {path.name: path for block in blocks for path in block.glob("*.png")}
+    names = [f"{frame:05d}.png" for frame in range(last_frame + 1)]
+    missing = [name for name in names if name not in found]
+    if missing:
+        where = ", ".join(map(str, blocks)) or "no folder at all"
+        raise Refused(
+            f"{len(missing)} of {len(names)} frames are missing, first {missing[0]}, in {where}",
+            remedy="render them first",
+        )
+    target.mkdir(parents=True, exist_ok=True)
+    return [Path(shutil.copyfile(found[name], target / name)) for name in names]
+
+
+def _common_size(pictures: Sequence[Path]) -> list[int]:
+    """Width and height [px], the same in all pictures."""
+    from PIL import Image, UnidentifiedImageError
+
+    sizes = {}
+    for path in pictures:
+        try:
+            with Image.open(path) as picture:
+                sizes.setdefault(picture.size, path)
+        except (UnidentifiedImageError, OSError) as error:
+            raise Refused(f"{path} is not a picture: {error}", remedy="render it again") from None
+    if len(sizes) > 1:
+        listed = ", ".join(f"{path.name} has {width} x {height}" for (width, height), path in sizes.items())
+        raise Refused(f"the frames differ in size: {listed}", remedy="render them all with the same resolution")
+    return list(next(iter(sizes)))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m workflow.film", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    folders = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
+    parser.add_argument("--frames-from", **{**folders, "nargs": "+"}, required=True, help="folders with 00000.png ...")
+    parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")
+    parser.add_argument("--surface", **folders, help="folders of the surface, in order: volume and times")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the film")
+    given = parser.parse_args(argv)
+
+    def work() -> None:
+        spec = read_spec(FilmJobSpec, given.spec)
+        given.out.mkdir(parents=True, exist_ok=True)
+        run(spec, given.frames_from, given.out, simulation=given.simulation, surface=given.surface)
+
+    return exit_code(work, "film")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

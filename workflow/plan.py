@@ -1,0 +1,210 @@
+"""What each job of a film depends on: pure functions of a scene and of the source files.
+
+A job is repeated when one of these values differs from what its result was made with. The
+values differ in kind (JSON object, `code ...`, `versions ...`), because Snakemake compares the
+values of a job's params as a set.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from sim.geometry import assets
+from sim.settings import canonical_json
+from sim.spec import SimulationSpec
+from workflow import sources
+from workflow.film_spec import FilmJobSpec
+from workflow.scene import Scene
+from workflow.surface_spec import ReconstructSpec
+from workflow.timeline import Frames, Timeline
+
+RESULTS = "results"
+FILMS = "renders"
+
+ENTRY = {
+    "simulate": "sim.segment",
+    "reconstruct": "workflow.reconstruct",
+    "render": "render",
+    "film": "workflow.film",
+}
+"""The module that each stage runs with `python -m`."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One job: where its result goes, and all that the result depends on besides its inputs."""
+
+    stage: str
+    folder: str
+    """Of the result, relative to the working directory."""
+    frames: Frames
+    spec: str
+    """Settings of the stage, in canonical JSON."""
+    code: str
+    """Digest of the source files that the stage runs."""
+    versions: str
+    """Of the packages that do the stage's work."""
+    assets: str
+    """Digests of the files that the scene names."""
+    upstream: tuple[str, ...] = ()
+    """Plans of the jobs whose results are read."""
+
+    @cached_property
+    def plan(self) -> str:
+        """Digest of everything above, and so of all earlier stages too."""
+        parts = (self.stage, str(self.frames), self.spec, self.code, self.versions, self.assets, *self.upstream)
+        return "plan " + hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
+
+
+class Plan:
+    """The jobs of one film. `root` is the folder of the packages sim, render and workflow."""
+
+    def __init__(self, scene: Scene, root: Path):
+        self.scene = scene
+        self.root = root
+        self.timeline = Timeline(scene.simulation.fps, scene.last_frame)
+        self.results = f"{RESULTS}/{scene.name}/{scene.quality}"
+        self._jobs: dict[tuple[str, int], Job] = {}
+
+    @property
+    def has_surface(self) -> bool:
+        return self.scene.simulation.fluid is not None
+
+    def job(self, stage: str, index: int = 0) -> Job:
+        """The job of a stage for a segment or block; raises IndexError where the film has no such part."""
+        key = (stage, index)
+        if key not in self._jobs:
+            self._jobs[key] = getattr(self, f"_{stage}")(index)
+        return self._jobs[key]
+
+    def parts(self, stage: str) -> int:
+        """How many jobs a stage has."""
+        if stage == "reconstruct" and not self.has_surface:
+            return 0
+        counts = {"simulate": self.timeline.segments, "reconstruct": self.timeline.segments}
+        return {**counts, "render": self.timeline.blocks, "film": 1}[stage]
+
+    def jobs(self, stage: str) -> list[Job]:
+        return [self.job(stage, index) for index in range(self.parts(stage))]
+
+    def _simulate(self, index: int) -> Job:
+        frames = self.timeline.segment(index)
+        spec = self.scene.simulation.before(self.timeline.time(frames.last))
+        return Job(
+            stage="simulate",
+            folder=f"{self.results}/simulation/{index:03d}",
+            frames=frames,
+            spec=spec.canonical(),
+            code=self._code("simulate", spec.materials()),
+            versions=_versions("taichi", "numpy", *(("trimesh", "pymeshfix") if _files(spec) else ())),
+            assets=_assets(self.scene.assets, _files(spec)),
+            upstream=(self.job("simulate", index - 1).plan,) if index else (),
+        )
+
+    def _reconstruct(self, index: int) -> Job:
+        fluid = self.scene.simulation.fluid
+        if fluid is None:
+            raise IndexError(f"{self.scene.name} has no fluid, so no surface to reconstruct")
+        spec = ReconstructSpec(
+            particle_radius=fluid.particle_radius, rest_density=fluid.rest_density, surface=self.scene.surface
+        )
+        return Job(
+            stage="reconstruct",
+            folder=f"{self.results}/surface/{index:03d}",
+            frames=self.timeline.segment(index),
+            spec=spec.canonical(),
+            code=self._code("reconstruct"),
+            versions=_versions("pysplashsurf"),
+            assets=_assets({}, set()),
+            upstream=(self.job("simulate", index).plan,),
+        )
+
+    def _render(self, index: int) -> Job:
+        frames = self.timeline.block(index)
+        segment = self.timeline.segment_of_block(index)
+        return Job(
+            stage="render",
+            folder=f"{self.results}/frames/{index:03d}",
+            frames=frames,
+            spec=_render_spec(self.scene),
+            code=self._code("render"),
+            versions=_blender(self.scene.render.blender),
+            assets=_assets(self.scene.assets, set(self.scene.assets) - _files(self.scene.simulation)),
+            upstream=(self.job("reconstruct" if self.has_surface else "simulate", segment).plan,),
+        )
+
+    def _film(self, _index: int) -> Job:
+        scene = self.scene
+        spec = FilmJobSpec(
+            name=scene.name,
+            quality=scene.quality,
+            fps=scene.simulation.fps,
+            last_frame=scene.last_frame,
+            film=scene.film,
+        )
+        return Job(
+            stage="film",
+            folder=f"{FILMS}/{scene.name}",
+            frames=Frames(0, scene.last_frame),
+            spec=spec.canonical(),
+            code=self._code("film"),
+            versions=_versions("imageio-ffmpeg"),
+            assets=_assets({}, set()),
+            upstream=tuple(job.plan for job in self.jobs("render")),
+        )
+
+    def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
+        return _code_digest(ENTRY[stage], self.root, materials)
+
+
+@cache
+def _code_digest(entry: str, root: Path, materials: frozenset[str]) -> str:
+    return f"code {sources.digest(entry, root, materials)[:32]}"
+
+
+def _render_spec(scene: Scene) -> str:
+    """The render settings, with the panorama's path relative to the working directory."""
+    data = scene.render.model_dump(mode="json", exclude_none=True)
+    environment = data["lights"]["environment"]
+    if "file" in environment:
+        environment["file"] = os.path.relpath(assets.resolve(environment["file"], scene.folder))
+    return canonical_json(data)
+
+
+def _files(spec: SimulationSpec) -> set[str]:
+    """Files that the simulation reads, as the scene names them."""
+    shapes = (getattr(body, "shape", None) for _, body in spec.placements())
+    return {shape.file for shape in shapes if hasattr(shape, "file")}
+
+
+def _assets(digests: Mapping[str, str], wanted: set[str]) -> str:
+    return f"assets {canonical_json({name: digests[name] for name in sorted(wanted)})}"
+
+
+@cache
+def _versions(*packages: str) -> str:
+    return f"versions {', '.join(f'{package} {_version(package)}' for package in packages)}"
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _blender(path: str | None) -> str:
+    """The version of bpy, or what tells one installed Blender from another without starting it."""
+    if path is None:
+        return _versions("bpy")
+    try:
+        state = Path(path).resolve().stat()
+        return f"versions blender {path}, {state.st_size} bytes, changed {state.st_mtime_ns}"
+    except OSError:
+        return f"versions blender {path}, absent"

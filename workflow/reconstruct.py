@@ -1,0 +1,100 @@
+"""Particles become a surface: a folder of fluid_00042.ply, a folder of surface_00042.ply.
+
+example: the frames 0 to 12 of a simulation with particles of 1 cm radius
+  python -m workflow.reconstruct --spec '{"particle_radius": 0.01}' \\
+      --simulation run/simulation --frames 0:12 --out run/surface
+
+--spec takes JSON or the name of a JSON file: particle_radius [m], rest_density [kg/m^3], and
+`surface`, the section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's
+velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a
+mesh without vertices.
+
+exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from sim.settings import Refused
+from workflow import stage
+from workflow.stage import Stopwatch, exit_code, read_spec, write_json, write_whole
+from workflow.surface_spec import ReconstructSpec
+from workflow.timeline import Frames
+
+
+def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, threads: int = 1) -> None:
+    """Write surface_*.ply and summary.json to `out`; raises Refused for particles that can not be used."""
+    watch = Stopwatch()
+    with watch.phase("import"):
+        os.environ["RAYON_NUM_THREADS"] = str(threads)
+        import numpy as np
+
+        from workflow.ply import BadPly, columns, read_points, write_surface
+        from workflow.surface import reconstruct
+    out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for frame in range(frames.first, frames.last + 1):
+        with watch.phase("load"):
+            path = simulation / f"fluid_{frame:05d}.ply"
+            try:
+                particles = read_points(path)
+                positions, velocities = columns(particles, "xyz"), columns(particles, ("vx", "vy", "vz"))
+            except FileNotFoundError:
+                remedy = f"simulate the frames {frames} first"
+                raise Refused(f"{path} is missing", remedy=remedy) from None
+            except BadPly as error:
+                raise Refused(f"{path}: {error}", remedy="simulate this frame again") from None
+            if not (np.isfinite(positions).all() and np.isfinite(velocities).all()):
+                raise Refused(f"{path} holds numbers that are not finite", remedy="simulate this frame again")
+        with watch.phase("splashsurf"):
+            surface = reconstruct(positions, velocities, spec, threads=threads)
+        with watch.phase("write"):
+            parts = (surface.vertices, surface.normals, surface.velocities, surface.triangles)
+            write_whole(out / f"surface_{frame:05d}.ply", lambda partial, parts=parts: write_surface(partial, *parts))
+        rows.append(
+            {
+                "frame": frame,
+                "particles": len(positions),
+                "vertices": len(surface.vertices),
+                "triangles": len(surface.triangles),
+                "volume": surface.volume,
+            }
+        )
+        print(f"surface of frame {frame}: {len(positions)} particles, {len(surface.triangles)} triangles")
+    summary = {
+        "status": "done",
+        "versions": {"pysplashsurf": version("pysplashsurf"), "numpy": np.__version__},
+        "threads": threads,
+        "frames": rows,
+        "wall_s": watch.report(),
+    }
+    write_json(out / "summary.json", summary)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m workflow.reconstruct", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    parser.add_argument("--simulation", required=True, type=Path, metavar="DIR", help="folder with fluid_*.ply")
+    parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the meshes and summary.json")
+    parser.add_argument("--threads", type=int, default=1, metavar="N", help="CPU threads (default 1)")
+    given = parser.parse_args(argv)
+    if given.threads < 1:
+        parser.error("--threads must be at least 1")
+
+    def work() -> None:
+        spec = read_spec(ReconstructSpec, given.spec)
+        run(spec, given.simulation, given.frames, given.out, threads=given.threads)
+
+    return exit_code(work, "reconstruct")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

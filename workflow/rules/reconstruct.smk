@@ -1,0 +1,37 @@
+surface = catalog.of("reconstruct")
+
+
+def particles_of_segment(wildcards):
+    catalog.job("reconstruct", wildcards)
+    return catalog.job("simulate", wildcards).folder
+
+
+rule reconstruct:
+    message:
+        "Reconstruct the surface of {wildcards.scene}, frames {params.frames}"
+    input:
+        particles=particles_of_segment,
+    output:
+        folder=directory("results/{scene}/{quality}/surface/{segment}"),
+    params:
+        spec=surface("spec"),
+        frames=surface("frames"),
+        assets=surface("assets"),
+        code=surface("code"),
+        versions=surface("versions"),
+        plan=surface("plan"),
+        repairs=catalog.repairs("reconstruct"),
+    log:
+        "results/{scene}/{quality}/logs/surface/{segment}.log",
+    benchmark:
+        "results/{scene}/{quality}/benchmarks/surface/{segment}.tsv"
+    priority: 20
+    threads: half_the_cores
+    resources:
+        mem_mb=memory("reconstruct"),
+    shell:
+        "exec {sys.executable:q} -m workflow.job"
+        " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
+        " --failed results/{wildcards.scene}/{wildcards.quality}/failed/surface/{wildcards.segment}"
+        " -- {sys.executable:q} -m workflow.reconstruct --spec {params.spec:q} --simulation {input.particles:q}"
+        " --frames {params.frames} --out @OUT --threads {threads}"

@@ -1,0 +1,199 @@
+"""One scene file: load it, apply a preset, check it, split it into the stages' settings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from annotated_types import Le
+from pydantic import Field, ValidationError
+
+from render.presets import PRESETS as RENDER_PRESETS
+from render.spec import RenderSpec
+from sim.geometry import assets
+from sim.geometry.spec import MeshFile
+from sim.settings import Refused
+from sim.spec import BodyForce, SimulationSpec, VertexPosition
+from sim.support import refuse_unsupported
+from sim.units import PositiveDuration
+from workflow.document import Document, SceneError, read, suggestion
+from workflow.film_spec import FilmSpec
+from workflow.problems import explain
+from workflow.surface_spec import SURFACE_PRESETS, SurfaceSpec
+
+Quality = Literal["draft", "standard", "final"]
+QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
+
+
+class SceneFile(SimulationSpec):
+    """A scene: what is simulated, how its surface is found, how it is rendered."""
+
+    description: str = ""
+    duration: Annotated[PositiveDuration, Le(3600)]
+    """Simulated time [s]."""
+    quality: Quality = "standard"
+    """The preset used when none is asked for."""
+    presets: dict[Quality, dict[str, Any]] = {}
+    """Settings that override the scene's own, by preset."""
+    surface: SurfaceSpec = Field(default_factory=SurfaceSpec)
+    render: RenderSpec = Field(default_factory=RenderSpec)
+    film: FilmSpec = Field(default_factory=FilmSpec)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A valid scene at one quality, split by stage."""
+
+    name: str
+    path: Path
+    quality: str
+    duration: float
+    simulation: SimulationSpec
+    surface: SurfaceSpec
+    render: RenderSpec
+    film: FilmSpec
+    assets: dict[str, str]
+    document: Document
+
+    @property
+    def folder(self) -> Path:
+        """Where relative paths of the scene start."""
+        return self.path.parent
+
+    @property
+    def last_frame(self) -> int:
+        """Frames are 0 to last_frame; frame 0 is the initial state."""
+        return round(self.duration * self.simulation.fps)
+
+    def error(self, refused: Refused) -> SceneError:
+        """The refusal with its line in the scene file."""
+        return SceneError([self.document.problem(refused.location, refused.message, refused.remedy)])
+
+
+def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (), root: Path | None = None) -> Scene:
+    """Load the scene at `path`; `root` (default: the working directory) bounds what it may write.
+
+    Raises SceneError, whose text names file, line, field and remedy of every problem.
+    """
+    document = read(path)
+    if quality is None:
+        quality = document.data.get("quality", SceneFile.model_fields["quality"].default)
+    if quality not in QUALITIES:
+        raise SceneError([document.problem(("quality",), f"no preset '{quality}'", suggestion(str(quality), QUALITIES))])
+    document = _with_defaults(document, str(quality)).merge(("presets", str(quality)))
+    for override in overrides:
+        document.set(override)
+    scene = _compose(document, path, str(quality))
+    try:
+        _check_across_stages(scene)
+        _check_writes(scene, root or Path.cwd())
+        refuse_unsupported(scene.simulation)
+        digests = _find_assets(scene)
+    except Refused as refused:
+        raise scene.error(refused) from None
+    return Scene(**{**vars(scene), "assets": digests})
+
+
+def name_of(path: Path) -> str:
+    """`scenes/tiny/splash.yaml` is the scene `tiny/splash`."""
+    parts = path.with_suffix("").parts
+    return "/".join(parts[parts.index("scenes") + 1 :]) if "scenes" in parts[:-1] else path.stem
+
+
+def _with_defaults(document: Document, quality: str) -> Document:
+    """The preset's values for what the scene leaves out; a scene's own values win."""
+    data = dict(document.data)
+    for stage, presets in (("render", RENDER_PRESETS), ("surface", SURFACE_PRESETS)):
+        own = data.get(stage, {})
+        if isinstance(own, dict):
+            data[stage] = _below(presets.get(quality, {}), own)
+    return Document(document.source, data, document.marks)
+
+
+def _below(defaults: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    merged = {**defaults, **own}
+    for key in defaults.keys() & own.keys():
+        if isinstance(defaults[key], dict) and isinstance(own[key], dict):
+            merged[key] = _below(defaults[key], own[key])
+    return merged
+
+
+def _compose(document: Document, path: Path, quality: str) -> Scene:
+    try:
+        whole = SceneFile.model_validate(document.data)
+    except ValidationError as error:
+        raise SceneError(explain(error, document, SceneFile)) from None
+    frames = whole.duration * whole.fps
+    if not math.isclose(frames, round(frames), abs_tol=1e-6) or round(frames) < 1:
+        message = f"{whole.duration} s at {whole.fps} frames a second are {frames:g} frames"
+        remedy = f"use a whole number of frames, for example {max(1, math.ceil(frames)) / whole.fps:g} s"
+        raise SceneError([document.problem(("duration",), message, remedy)])
+    simulation = SimulationSpec(**{name: getattr(whole, name) for name in SimulationSpec.model_fields})
+    return Scene(
+        name=name_of(path),
+        path=path,
+        quality=quality,
+        duration=whole.duration,
+        simulation=simulation,
+        surface=whole.surface,
+        render=whole.render,
+        film=whole.film,
+        assets={},
+        document=document,
+    )
+
+
+def _check_across_stages(scene: Scene) -> None:
+    simulation = scene.simulation
+    seen: dict[str, tuple[str | int, ...]] = {}
+    for location, _ in simulation.placements():
+        name = str(location[-1])
+        if name in seen:
+            first = ".".join(map(str, seen[name]))
+            raise Refused(f"there is already a body named '{name}', {first}", location=location, remedy="rename one")
+        seen[name] = location
+    for name in scene.render.named_bodies():
+        if name not in seen:
+            location = ("render", "materials", name)
+            raise Refused(f"there is no body named '{name}'", location=location, remedy=suggestion(name, seen))
+    for name, probe in simulation.probes.items():
+        target = {BodyForce: "body", VertexPosition: "sheet"}.get(type(probe))
+        if target and getattr(probe, target) not in seen:
+            wanted = getattr(probe, target)
+            location = ("probes", name, target)
+            raise Refused(f"there is no body named '{wanted}'", location=location, remedy=suggestion(wanted, seen))
+    for index, event in enumerate(simulation.events):
+        for name in event.remove:
+            if name not in seen:
+                location = ("events", index, "remove")
+                raise Refused(f"there is no body named '{name}'", location=location, remedy=suggestion(name, seen))
+
+
+def _check_writes(scene: Scene, root: Path) -> None:
+    target = scene.film.copy_to
+    if target is not None and not (root / target).resolve().is_relative_to(root.resolve()):
+        raise Refused(
+            f"a scene may not write outside the project's folder: {target}",
+            location=("film", "copy_to"),
+            remedy="give a path below the project's folder, such as films/bunny.mp4",
+        )
+
+
+def _find_assets(scene: Scene) -> dict[str, str]:
+    """The digest of every file that the scene reads, by its name in the scene."""
+    wanted = [
+        ((*location, "shape", "file"), body.shape.file)
+        for location, body in scene.simulation.placements()
+        if isinstance(getattr(body, "shape", None), MeshFile)
+    ]
+    wanted += [(("render", *location), file) for location, file in scene.render.assets()]
+    digests = {}
+    for location, file in wanted:
+        try:
+            digests[file] = assets.digest(assets.resolve(file, scene.folder))
+        except Refused as refused:
+            raise refused.at(*location) from None
+    return digests

@@ -1,0 +1,99 @@
+"""Which source files a stage depends on, found without importing any, and their digest.
+
+A name such as "sim.fluid.dfsph" in a string counts as an import, because registries load the
+modules that they name. Folders of materials that a scene does not use do not count.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+PACKAGES = ("sim", "render", "workflow")
+MATERIALS = frozenset({"fluid", "rigid", "cloth"})
+_MODULE_NAME = re.compile(rf"(?:{'|'.join(PACKAGES)})(?:\.[A-Za-z_]\w*)+")
+
+
+def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> list[Path]:
+    """Source files below `root` that the module `entry` imports, directly or not, itself included; sorted.
+
+    Raises FileNotFoundError where there is no such module.
+    """
+    start = _find(entry, root)
+    if start is None:
+        raise FileNotFoundError(f"there is no module {entry} in {root}")
+    if start.name == "__init__.py":
+        start = start.with_name("__main__.py")
+    found: set[Path] = set()
+    waiting = [start, *_packages(entry, root)]
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.add(file)
+        for module in _imports(file, root, file.stat().st_mtime_ns):
+            if _counts(module, materials):
+                target = _find(module, root)
+                waiting += [*_packages(module, root), *([target] if target else [])]
+    return sorted(found)
+
+
+def digest(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> str:
+    """Digest of names and contents of the closure."""
+    total = hashlib.sha256()
+    for file in closure(entry, root, materials):
+        content = hashlib.sha256(file.read_bytes()).hexdigest()
+        total.update(f"{file.relative_to(root).as_posix()} {content}\n".encode())
+    return total.hexdigest()
+
+
+def _counts(module: str, materials: frozenset[str]) -> bool:
+    """False for the folder of a material, or the coupling of two, that the scene does not use."""
+    package, _, rest = module.partition(".")
+    folder, _, name = rest.partition(".")
+    if package != "sim":
+        return True
+    if folder == "coupling":
+        return MATERIALS.intersection(name.partition(".")[0].split("_")) <= materials
+    return folder not in MATERIALS or folder in materials
+
+
+@functools.lru_cache(maxsize=4096)
+def _imports(file: Path, root: Path, _changed: int) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(_names(ast.parse(file.read_bytes(), str(file)), file, root)))
+
+
+def _names(tree: ast.AST, file: Path, root: Path) -> Iterator[str]:
+    package = file.parent.relative_to(root).parts
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            if module.partition(".")[0] in PACKAGES:
+                yield module
+                yield from (f"{module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            name = node.value.partition(":")[0]
+            if _MODULE_NAME.fullmatch(name):
+                yield name
+
+
+def _find(module: str, root: Path) -> Path | None:
+    base = root.joinpath(*module.split("."))
+    for file in (base.with_suffix(".py"), base / "__init__.py"):
+        if file.is_file():
+            return file
+    return None
+
+
+def _packages(module: str, root: Path) -> list[Path]:
+    """The `__init__.py` of every package that importing the module runs."""
+    parts = module.split(".")
+    folders = [root.joinpath(*parts[:end]) for end in range(1, len(parts) + 1)]
+    return [folder / "__init__.py" for folder in folders if (folder / "__init__.py").is_file()]

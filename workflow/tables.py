@@ -1,0 +1,49 @@
+"""Tables of the segments (steps.csv, bodies.csv, probes.csv) as tables of the film."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+TABLES = ("steps.csv", "probes.csv", "bodies.csv")
+
+
+def concatenate(parts: Sequence[Path], whole: Path) -> bool:
+    """Write the rows of all `parts` that exist, in order, to `whole`; False where there is none.
+
+    A column that only some parts have is empty in the rows of the others.
+    """
+    present = [part for part in parts if part.exists()]
+    columns: dict[str, None] = {}
+    for part in present:
+        with part.open(newline="", encoding="utf-8") as file:
+            columns.update(dict.fromkeys(next(csv.reader(file), [])))
+    if not columns:
+        return False
+    with whole.open("w", newline="", encoding="utf-8") as target:
+        writer = csv.DictWriter(target, list(columns), restval="", lineterminator="\n")
+        writer.writeheader()
+        for part in present:
+            with part.open(newline="", encoding="utf-8") as file:
+                writer.writerows(csv.DictReader(file))
+    return True
+
+
+def numbers(table: Path, columns: Iterable[str]) -> dict[str, list[float]]:
+    """Those of the `columns` that the table has, as numbers; NaN for what is none."""
+    with table.open(newline="", encoding="utf-8") as file:
+        reader = csv.DictReader(file)
+        found: dict[str, list[float]] = {name: [] for name in columns if name in (reader.fieldnames or ())}
+        for row in reader:
+            for name, values in found.items():
+                values.append(_number(row[name]))
+    return found
+
+
+def _number(text: str | None) -> float:
+    try:
+        return float(text or "nan")
+    except ValueError:
+        return math.nan
