@@ -23,10 +23,12 @@ wildcard_constraints:
 
 
 rule scenes:
+    log:
+        ".snakemake/log/scenes.log",
     message:
         "Films that can be made"
     shell:
-        "exec {sys.executable:q} -m workflow.catalog"
+        "{sys.executable:q} -m workflow.catalog 2>&1 | tee {log:q}"
 
 
 include: "workflow/rules/common.smk"

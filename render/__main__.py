@@ -43,6 +43,9 @@ def main(arguments: list[str] | None = None) -> int:
             if error.exit_code == RenderError.exit_code:
                 _print_tail(log)
             return error.exit_code
+        except OSError as error:
+            print(f"render: {error.strerror}: {error.filename}", file=sys.stderr)
+            return RenderError.exit_code
     return 0
 
 
@@ -115,10 +118,11 @@ def _write_json(path: Path, data: dict[str, Any]) -> None:
         raise RenderError(f"can not write {path}: {error.strerror}") from error
 
 
-def _print_tail(log: Path, lines: int = 20) -> None:
+def _print_tail(log: Path, count: int = 20) -> None:
+    """Show what Blender said at last, without its progress."""
     if log.exists():
-        tail = log.read_text(errors="replace").splitlines()[-lines:]
-        print("\n".join(["Blender said at last:", *tail]) if tail else "Blender said nothing", file=sys.stderr)
+        lines = [line for line in log.read_text(errors="replace").splitlines() if not line.startswith("Fra:")]
+        print(*lines[-count:], sep="\n", end="", file=sys.stderr)
 
 
 def _parse(arguments: list[str] | None) -> argparse.Namespace:

@@ -39,6 +39,10 @@ class Body:
             if moving:
                 self.thing.keyframe_insert("location", frame=frame + offset)
                 self.thing.keyframe_insert("rotation_quaternion", frame=frame + offset)
+        if moving:
+            for curve in self.thing.animation_data.action.fcurves:
+                for key in curve.keyframe_points:
+                    key.interpolation = "LINEAR"
 
     def _forget_motion(self) -> None:
         if self.thing.animation_data is not None:

@@ -33,7 +33,7 @@ def configure(settings: Any, threads: int | None, fps: float) -> tuple[Device, l
     if threads is not None:
         scene.render.threads_mode, scene.render.threads = "FIXED", threads
     _light_paths(scene.cycles, settings)
-    warnings = _colors(scene.view_settings, settings)
+    warnings = [*_denoise(scene.cycles, settings.denoise), *_colors(scene.view_settings, settings)]
     return _device(scene, settings), warnings
 
 
@@ -59,17 +59,28 @@ def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.adaptive_threshold = settings.noise_threshold
     cycles.seed = settings.seed
     cycles.use_animated_seed = False
-    cycles.use_denoising = settings.denoise
-    cycles.denoiser = "OPENIMAGEDENOISE"
-    cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
     cycles.max_bounces = settings.bounces
     cycles.transmission_bounces = settings.bounces
     cycles.transparent_max_bounces = settings.bounces
     cycles.glossy_bounces = min(4, settings.bounces)
     cycles.diffuse_bounces = min(3, settings.bounces)
     cycles.volume_bounces = 0
-    cycles.caustics_reflective = cycles.caustics_refractive = settings.caustics
-    cycles.sample_clamp_indirect = 0.0 if settings.caustics else 10.0
+    # clear looks let light through by straight rays instead: see looks/refraction.py
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.sample_clamp_indirect = 10.0
+
+
+def _denoise(cycles: Any, wanted: bool) -> list[str]:
+    cycles.use_denoising = wanted
+    if not wanted:
+        return []
+    try:
+        cycles.denoiser = "OPENIMAGEDENOISE"
+        cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    except TypeError:
+        cycles.use_denoising = False
+        return ["this Blender was built without Open Image Denoise: pictures keep their noise; use more samples"]
+    return []
 
 
 def _colors(view: Any, settings: Any) -> list[str]:

@@ -89,6 +89,9 @@ def _render() -> None:
 
 
 def _save_blend(path: Path) -> None:
+    for image in bpy.data.images:
+        if image.source == "FILE":
+            image.pack()
     try:
         check(bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, compress=True), "saving the scene")
     except RuntimeError as error:

@@ -50,7 +50,9 @@ class Graph:
 
     def feed(self, node: Any, key: str | int, value: Any) -> None:
         """Set or link one input; an input that this Blender does not know is left out."""
-        socket = node.inputs[key] if isinstance(key, int) else node.inputs.get(key) or node.inputs.get(ALIASES.get(key))
+        socket = (
+            node.inputs[key] if isinstance(key, int) else node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
+        )
         if socket is None:
             return
         if isinstance(value, bpy.types.NodeSocket):

@@ -3,30 +3,49 @@
 from __future__ import annotations
 
 import os
+import struct
 from pathlib import Path
 
 from render.blender import bpy
 from render.errors import RenderError
 
-PNG_END = b"IEND\xaeB`\x82"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+KEPT = {b"IHDR", b"PLTE", b"sRGB", b"gAMA", b"cHRM", b"iCCP", b"IDAT", b"IEND"}
+"""Parts of a PNG file that say what it looks like; the others hold dates and render times."""
 
 
 def save_picture(path: Path) -> None:
     """Write the last rendering as PNG, under its name only once it is complete.
 
-    Raises RenderError when the folder can not be written or the disk is full.
+    The same picture has the same bytes. Raises RenderError when the folder can not be written or the disk is full.
     """
     part = path.with_name(f".{path.stem}.part.png")
     try:
         bpy.data.images["Render Result"].save_render(str(part))
-        with part.open("rb+") as file:
-            file.seek(-len(PNG_END), os.SEEK_END)
-            if file.read() != PNG_END:
-                raise RenderError(f"can not write {path}: the file was cut short; is the disk full?")
+        picture = without_metadata(part.read_bytes())
+        with part.open("wb") as file:
+            file.write(picture)
+            file.flush()
             os.fsync(file.fileno())
         part.replace(path)
-    except (RuntimeError, OSError) as error:
+    except (RuntimeError, OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error).strip()
         raise RenderError(f"can not write {path}: {reason}. Is the folder writable, and is the disk full?") from error
     finally:
         part.unlink(missing_ok=True)
+
+
+def without_metadata(png: bytes) -> bytes:
+    """A PNG file reduced to the picture; raises ValueError when it is cut short."""
+    if not png.startswith(SIGNATURE):
+        raise ValueError("the file is not a PNG")
+    kept, start, kind = [SIGNATURE], len(SIGNATURE), b""
+    while kind != b"IEND":
+        if start + 12 > len(png):
+            raise ValueError("the file was cut short")
+        (length,), kind = struct.unpack_from(">I", png, start), png[start + 4 : start + 8]
+        end = start + 12 + length
+        if kind in KEPT:
+            kept.append(png[start:end])
+        start = end
+    return b"".join(kept)

@@ -38,7 +38,6 @@ class Scene:
         self.box = inputs.extent()
         self._bodies: dict[str, Body] = {}
         self._moving_meshes: dict[str, tuple[Any, Any]] = {}
-        bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()

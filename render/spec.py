@@ -93,7 +93,7 @@ class Glass(Settings):
     """Clear glass."""
 
     type: Literal["glass"]
-    color: Color = srgb("#f7fcfb")
+    color: Color = srgb("#fcfefd")
     """Colour of what is seen through one surface."""
     ior: RefractiveIndex = 1.5
     """Index of refraction."""
@@ -290,8 +290,6 @@ class RenderSpec(Settings):
     """Smooth what noise is left (Open Image Denoise)."""
     seed: Annotated[int, Ge(0), Lt(2**31)] = 0
     """Of the noise pattern, the same in all frames."""
-    caustics: bool = False
-    """Focus the sun's light through smooth water onto what lies below it; slow and noisier."""
     bounces: Annotated[int, Ge(2), Le(128)] = 12
     """Surfaces that a light path crosses at most; too few make drops and thin sheets of water black."""
     motion_blur: bool = True

@@ -17,11 +17,6 @@ if TYPE_CHECKING:
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
 
-SURFACE_DEPTH = 0.6
-"""Boundary samples lie this many spacings below a surface: fluid rests 1.1 spacings off a layer of
-samples (where they add what a lattice lacks), and so half a spacing off the surface."""
-
-
 @dataclass
 class Counts:
     """What was added, removed or repeated, for the summary."""
@@ -73,10 +68,11 @@ class World:
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples
+        from sim.fluid.calibration import SAMPLE_DEPTH
         from sim.fluid.part import FluidPart, Surroundings
 
         spacing = self.spec.fluid.spacing
-        samples, owner = boundary_samples(self.obstacles, spacing, SURFACE_DEPTH * spacing)
+        samples, owner = boundary_samples(self.obstacles, spacing, SAMPLE_DEPTH * spacing)
         self.fluid = FluidPart(
             self.spec.fluid,
             self.gravity,

@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 import difflib
-import re
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
+from sim.settings import Refused
 from workflow.document import SceneError
 from workflow.plan import FILMS, Job, Plan
 from workflow.results import Unrecorded, refuse_unrecorded, repairs
@@ -64,9 +64,14 @@ class Catalog:
         key = (name, quality or self._quality)
         if key not in self._plans:
             try:
-                self._plans[key] = Plan(load(find(name), quality=key[1]), self._root)
+                scene = load(find(name), quality=key[1])
             except SceneError as error:
                 stop(str(error))
+            try:
+                scene.film.copy_path(Path.cwd())
+            except Refused as refused:
+                stop(str(scene.error(refused)))
+            self._plans[key] = Plan(scene, self._root)
         return self._plans[key]
 
     def job(self, stage: str, wildcards: Any) -> Job:
@@ -112,7 +117,7 @@ def _copied(plan: Plan, film: Job) -> bool:
 
 def stop(message: str) -> NoReturn:
     """End the process with a message and without a traceback."""
-    print(re.sub(r"^", "tidemill: ", message, count=1), file=sys.stderr, flush=True)
+    print(f"tidemill: {message}", file=sys.stderr, flush=True)
     raise SystemExit(1)
 
 

@@ -126,7 +126,9 @@ def read(path: Path) -> Document:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
         siblings = [other.name for other in path.parent.glob("*.yaml")] if path.parent.is_dir() else []
-        hint = suggestion(path.name, siblings) if siblings else "give the path of a scene file such as scenes/bunny.yaml"
+        hint = (
+            suggestion(path.name, siblings) if siblings else "give the path of a scene file such as scenes/bunny.yaml"
+        )
         raise SceneError([f"{path}: no such scene file\n  fix: {hint}"]) from None
     except (OSError, UnicodeDecodeError) as error:
         raise SceneError([f"{path}: can not be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
@@ -174,7 +176,9 @@ _Loader.add_implicit_resolver(
 
 
 def _construct_float(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
-    return float(loader.construct_scalar(node).replace(".inf", "inf").replace(".Inf", "inf").lower().replace(".nan", "nan"))
+    return float(
+        loader.construct_scalar(node).replace(".inf", "inf").replace(".Inf", "inf").lower().replace(".nan", "nan")
+    )
 
 
 def _construct_int(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:

@@ -71,6 +71,7 @@ class Plan:
         self.timeline = Timeline(scene.simulation.fps, scene.last_frame)
         self.results = f"{RESULTS}/{scene.name}/{scene.quality}"
         self._jobs: dict[tuple[str, int], Job] = {}
+        self._digests: dict[tuple[str, frozenset[str]], str] = {}
 
     @property
     def has_surface(self) -> bool:
@@ -160,12 +161,10 @@ class Plan:
         )
 
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
-        return _code_digest(ENTRY[stage], self.root, materials)
-
-
-@cache
-def _code_digest(entry: str, root: Path, materials: frozenset[str]) -> str:
-    return f"code {sources.digest(entry, root, materials)[:32]}"
+        key = (ENTRY[stage], materials)
+        if key not in self._digests:
+            self._digests[key] = sources.digest(ENTRY[stage], self.root, materials)
+        return f"code {self._digests[key][:32]}"
 
 
 def _render_spec(scene: Scene) -> str:

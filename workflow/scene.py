@@ -82,7 +82,9 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
     if quality is None:
         quality = document.data.get("quality", SceneFile.model_fields["quality"].default)
     if quality not in QUALITIES:
-        raise SceneError([document.problem(("quality",), f"no preset '{quality}'", suggestion(str(quality), QUALITIES))])
+        raise SceneError(
+            [document.problem(("quality",), f"no preset '{quality}'", suggestion(str(quality), QUALITIES))]
+        )
     document = _with_defaults(document, str(quality)).merge(("presets", str(quality)))
     for override in overrides:
         document.set(override)

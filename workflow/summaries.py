@@ -10,8 +10,8 @@ from typing import Any
 
 from workflow.tables import numbers
 
-ADDED_UP = frozenset({"steps", "removed", "clamped", "warnings", "kernels"})
-"""Counts that grow with every segment; of the others, as the particles, the last value counts."""
+ADDED_UP = frozenset({"steps"})
+"""Counts of one segment alone; the others go on from segment to segment, so that the last value counts."""
 
 
 def read(folder: Path) -> dict[str, Any]:

@@ -75,7 +75,7 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     d = position[pairs.row, :3] - samples[pairs.col]
     r = np.linalg.norm(d, axis=1)
     approach = (velocity[pairs.row, :3] * d).sum(axis=1)
-    along = -2.0 * position[pairs.row, 3]
+    along = -position[pairs.row, 3]
     along += 10.0 * system.spec.viscosity * approach / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
     strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along * cubic_slope_host(r, system.h)
     force = -strength[:, None] * d

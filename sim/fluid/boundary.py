@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import vec4
+from sim.fluid.calibration import sample_weight
 from sim.fluid.kernel import cubic_host
 from sim.neighbors import NeighborList, StaticGrid
 
@@ -13,17 +14,17 @@ from sim.neighbors import NeighborList, StaticGrid
 class Boundary:
     """Samples of surfaces that do not move.
 
-    points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n].
-    `samples` holds position and V_b, the volume of each sample [m^3], in the order of the cells.
+    points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n]; spacing [m] of the fluid.
+    `samples` holds position and weighted volume of each sample [m^3], in the order of the cells.
     """
 
-    def __init__(self, points: np.ndarray, owner: np.ndarray, support_radius: float, fluid_count: int):
+    def __init__(self, points: np.ndarray, owner: np.ndarray, spacing: float, support_radius: float, fluid_count: int):
         self.count = len(points)
         self.grid = StaticGrid(points, support_radius)
         order = self.grid.order
         self.points = points[order]
         self.owner = owner[order]
-        self.volumes = sample_volumes(points, support_radius)[order]
+        self.volumes = sample_weight(spacing, support_radius) * sample_volumes(points, support_radius)[order]
         self.samples = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
             self.samples.from_numpy(np.column_stack((self.points, self.volumes)).astype(np.float32))

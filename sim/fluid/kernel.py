@@ -59,6 +59,13 @@ def cubic_slope_host(r: np.ndarray, h: float) -> np.ndarray:
     return 8.0 / (math.pi * h**5) * np.where(q < 0.5, 18.0 * q - 12.0, -6.0 * rest**2 / np.maximum(q, 0.5))
 
 
+def halfspace_area_host(q: float) -> float:
+    """`halfspace_area` on the host, in double precision."""
+    s = min(abs(q), 1.0)
+    u = 1.0 - s
+    return 1.4 + s * s * (-8.0 + s * s * (24.0 - 19.2 * s)) if s < 0.5 else u**4 * (8.0 - 6.4 * u)
+
+
 def halfspace_volume_host(q: float) -> float:
     """`halfspace_volume` on the host, in double precision."""
     s = min(abs(q), 1.0)
@@ -80,18 +87,3 @@ def lattice(spacing: float, h: float) -> np.ndarray:
 def particle_mass(spacing: float, h: float, rest_density: float) -> float:
     """Mass [kg] with which the cubic lattice has the rest density."""
     return rest_density / float(cubic_host(np.linalg.norm(lattice(spacing, h), axis=1), h).sum())
-
-
-def wall_distance(spacing: float, h: float) -> float:
-    """Distance [m] from a half-space at which a lattice's outermost layer has the rest density.
-
-    The half-space then adds what the lattice lacks beyond that layer; close to spacing / 2.
-    """
-    points = lattice(spacing, h)
-    weights = cubic_host(np.linalg.norm(points, axis=1), h)
-    missing = float(weights[points[:, 1] < -spacing / 2].sum() / weights.sum())
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if halfspace_volume_host(middle) > missing else (low, middle)
-    return low * h

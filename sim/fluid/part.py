@@ -10,7 +10,6 @@ import numpy as np
 
 from sim.fluid import load_solver
 from sim.fluid.boundary import Boundary
-from sim.fluid.kernel import wall_distance
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
@@ -123,13 +122,13 @@ class FluidPart:
         fastest: float,
     ):
         h = fluid.support_radius
-        setback = wall_distance(fluid.spacing, h) - fluid.spacing / 2
         planes = surroundings.planes.copy()
         planes[:, 3] -= planes[:, :3] @ origin
-        boundary = Boundary(surroundings.samples - origin, surroundings.owner, h, state.count)
+        boundary = Boundary(surroundings.samples - origin, surroundings.owner, fluid.spacing, h, state.count)
+        walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
-        self.system = FluidSystem(fluid, gravity, state.count, Walls(planes, setback), boundary)
+        self.system = FluidSystem(fluid, gravity, state.count, walls, boundary)
         self.system.particles.load(vars(state))
         self.speed_of_sound = speed_of_sound(fluid, gravity, drop, fastest)
         self.solver = load_solver(fluid.solver)(self.system, self.speed_of_sound)

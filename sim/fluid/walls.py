@@ -5,30 +5,28 @@ alone. Where walls meet, the void between them is the product of what each leave
 wall and for walls that do not reach the same particle.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 import taichi as ti
 
 from sim.arrays import Vec4Array, vec3, vec4
+from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
-
-MAX_WALLS = 64
-
 
 class Walls:
     """Planes n.x = offset with the solid below, as the solver sees them.
 
-    planes: unit normals out of the solid and offsets [m], shape [n, 4]. `setback` [m] moves each
-    plane into the solid, so that a lattice half a spacing off the wall is at rest.
+    planes: unit normals out of the solid and offsets [m], shape [n, 4]. Each is moved into the solid, and weighs
+    more than its volume, so that a lattice half a spacing off the wall is at rest (`sim.fluid.calibration`).
     """
 
-    def __init__(self, planes: Sequence[Sequence[float]], setback: float):
-        values = np.asarray(planes, dtype=np.float64).reshape(-1, 4)
-        self.count = len(values)
+    def __init__(self, planes: np.ndarray, spacing: float, h: float):
+        calibrated = calibrate_wall(spacing, h)
+        self.weight = calibrated.weight
+        self.setback = calibrated.distance - spacing / 2
+        self.count = len(planes)
         self.planes = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
-            shifted = values - [0.0, 0.0, 0.0, setback]
+            shifted = planes - [0.0, 0.0, 0.0, self.setback]
             self.planes.from_numpy(shifted.astype(np.float32))
 
 

@@ -3,7 +3,7 @@
 Density      rho_i = sum_j m W_ij + rho0 (sum_b V_b W_ib + walls)                     Akinci 2012, eq. 6
 Pressure     p_i = B ((rho_i / rho0)^7 - 1), B = rho0 c^2 / 7, never negative          Becker & Teschner 2007, eq. 7
 Momentum     a_i = -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij + ...                Monaghan 1992, eq. 3.3
-Solids       mirror the particle's own pressure
+Solids       add -p_i/rho_i^2 times the gradient of what they add to rho_i          Akinci 2012, eq. 9
 """
 
 import math
@@ -76,6 +76,7 @@ class Wcsph:
             boundary.neighbors.size,
             boundary.neighbors.index,
             system.walls.count,
+            system.walls.weight,
             system.walls.planes,
         )
         _force(
@@ -96,6 +97,7 @@ class Wcsph:
             boundary.neighbors.size,
             boundary.neighbors.index,
             system.walls.count,
+            system.walls.weight,
             system.walls.planes,
             spec.viscosity > 0,
             spec.viscosity,
@@ -136,6 +138,7 @@ def _density(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
+    wall_weight: ti.f32,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -152,7 +155,7 @@ def _density(
                 b = samples[sample_index[i, k]]
                 solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
-        density += rest_density * wall_volume(x, wall_count, planes, inverse_h)
+        density += rest_density * wall_weight * wall_volume(x, wall_count, planes, inverse_h)
         ratio = density / rest_density
         ratio2 = ratio * ratio
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
@@ -179,6 +182,7 @@ def _force(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
+    wall_weight: ti.f32,
     planes: Vec4Array,
     has_viscosity: ti.template(),
     viscosity: ti.f32,
@@ -214,10 +218,10 @@ def _force(
                 b = samples[sample_index[i, k]]
                 d = x.xyz - b.xyz
                 r2 = d.dot(d)
-                along = -2.0 * x.w
+                along = -x.w
                 if ti.static(has_viscosity):
                     along += viscous(v.xyz.dot(d), r2, h, viscosity) / v.w
                 slope = cubic_slope(ti.sqrt(r2) * inverse_h)
                 a += rest_density * b.w * along * slope * norm * inverse_h * inverse_h * d
-        a -= 2.0 * x.w * rest_density * wall_gradient(x.xyz, wall_count, planes, inverse_h)
+        a -= x.w * rest_density * wall_weight * wall_gradient(x.xyz, wall_count, planes, inverse_h)
         acceleration[i].xyz = a + gravity

@@ -9,6 +9,8 @@ from scipy.spatial import cKDTree
 # How many points stand for the surface in the search tree; more points, fewer candidate triangles.
 _COVER_POINTS = 100_000
 _NEIGHBOURS = (8, 32)
+# Cover radii from the surface beyond which the first candidates are near enough to the best.
+_FAR = 10.0
 _QUERIES_AT_ONCE = 1_000_000
 
 
@@ -16,9 +18,9 @@ class MeshDistance:
     """Distances to the surface of a mesh.
 
     Every triangle is covered by points no further apart than a cover radius rho, which a k-d tree holds. The
-    triangles of the k nearest points are tried exactly; the answer d is final when the k-th point is further
-    than d + rho. Queries undecided after 32 points, which are many cover radii deep, are high by less
-    than rho^2 / (2 d).
+    triangles of the k = 8 nearest points are tried exactly; the answer d is final when the k-th point is further
+    than d + rho, else 32 are tried. From 10 rho on, 8 serve: the answer is then high by less than rho^2 / (2 d),
+    0.5 % of d.
     """
 
     def __init__(self, mesh: trimesh.Trimesh):
@@ -51,7 +53,8 @@ class MeshDistance:
                 foot[query], distance[query] = feet[row, best], lengths[row, best]
                 face[query] = candidates[row, best]
                 if neighbours < self._tree.n:
-                    undecided.append(query[reach[:, -1] < distance[query] + self._radius])
+                    near_surface = distance[query] < _FAR * self._radius
+                    undecided.append(query[near_surface & (reach[:, -1] < distance[query] + self._radius)])
             open_queries = np.concatenate(undecided) if undecided else np.empty(0, dtype=np.int64)
             if len(open_queries) == 0:
                 break

@@ -1,7 +1,72 @@
+segment = catalog.of("simulate")
+surface = catalog.of("reconstruct")
+block = catalog.of("render")
+film = catalog.of("film")
+
+
+def plan(wildcards):
+    return catalog.plan(wildcards.scene, wildcards.get("quality"))
+
+
+def scene_folder(wildcards):
+    return str(plan(wildcards).scene.folder)
+
+
+def previous_segment(wildcards):
+    """The folder that a segment goes on from; none for the first."""
+    catalog.job("simulate", wildcards)
+    index = int(wildcards.segment)
+    return plan(wildcards).job("simulate", index - 1).folder if index else []
+
+
+def resume(wildcards):
+    """The option that names the state at the end of the segment before."""
+    index = int(wildcards.segment)
+    if index == 0:
+        return []
+    before = plan(wildcards).job("simulate", index - 1)
+    return ["--resume", f"{before.folder}/state_{before.frames.last:05d}.npz"]
+
+
+def particles_of_segment(wildcards):
+    catalog.job("reconstruct", wildcards)
+    return catalog.job("simulate", wildcards).folder
+
+
+def segment_of_block(stage):
+    """The folder of a stage that holds the frames of a block; none for a surface without fluid."""
+
+    def folder(wildcards):
+        catalog.job("render", wildcards)
+        index = plan(wildcards).timeline.segment_of_block(int(wildcards.block))
+        return plan(wildcards).job(stage, index).folder if plan(wildcards).parts(stage) else []
+
+    return folder
+
+
+def surface_option(wildcards):
+    folder = segment_of_block("reconstruct")(wildcards)
+    return ["--surface", folder] if folder else []
+
+
+def fps(wildcards):
+    return f"{plan(wildcards).timeline.fps:.17g}"
+
+
+def all_parts(stage):
+    """The folders of all jobs of a stage."""
+
+    def folders(wildcards):
+        catalog.job("film", wildcards)
+        return [job.folder for job in plan(wildcards).jobs(stage)]
+
+    return folders
+
+
 def half_the_cores(wildcards):
     """Two jobs fill the machine: a segment and a block of the one before, then two blocks."""
     return max(1, (workflow.cores or 1) // 2)
 
 
 def memory(stage):
-    return lambda wildcards: estimate(stage, catalog.plan(wildcards.scene, wildcards.get("quality")).scene)
+    return lambda wildcards: estimate(stage, plan(wildcards).scene)

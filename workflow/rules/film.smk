@@ -1,30 +1,10 @@
-film = catalog.of("film")
-
-
-def folders(stage):
-    def all_parts(wildcards):
-        catalog.job("film", wildcards)
-        return [job.folder for job in catalog.plan(wildcards.scene).jobs(stage)]
-
-    return all_parts
-
-
 rule film:
-    message:
-        "Film renders/{wildcards.scene}"
     input:
-        frames=folders("render"),
-        simulation=folders("simulate"),
-        surface=folders("reconstruct"),
+        frames=all_parts("render"),
+        simulation=all_parts("simulate"),
+        surface=all_parts("reconstruct"),
     output:
         folder=directory("renders/{scene}"),
-    params:
-        spec=film("spec"),
-        assets=film("assets"),
-        code=film("code"),
-        versions=film("versions"),
-        plan=film("plan"),
-        repairs=catalog.repairs("film"),
     log:
         "results/{scene}/film.log",
     benchmark:
@@ -33,9 +13,18 @@ rule film:
     threads: 1
     resources:
         mem_mb=memory("film"),
+    params:
+        spec=film("spec"),
+        assets=film("assets"),
+        code=film("code"),
+        versions=film("versions"),
+        plan=film("plan"),
+        repairs=catalog.repairs("film"),
+    message:
+        "Film renders/{wildcards.scene}"
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --failed results/{wildcards.scene}/failed/film"
+        " --failed results/{wildcards.scene:q}/failed/film"
         " -- {sys.executable:q} -m workflow.film --spec {params.spec:q} --frames-from {input.frames:q}"
         " --simulation {input.simulation:q} --surface {input.surface:q} --out @OUT"

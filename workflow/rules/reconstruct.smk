@@ -1,26 +1,8 @@
-surface = catalog.of("reconstruct")
-
-
-def particles_of_segment(wildcards):
-    catalog.job("reconstruct", wildcards)
-    return catalog.job("simulate", wildcards).folder
-
-
 rule reconstruct:
-    message:
-        "Reconstruct the surface of {wildcards.scene}, frames {params.frames}"
     input:
         particles=particles_of_segment,
     output:
         folder=directory("results/{scene}/{quality}/surface/{segment}"),
-    params:
-        spec=surface("spec"),
-        frames=surface("frames"),
-        assets=surface("assets"),
-        code=surface("code"),
-        versions=surface("versions"),
-        plan=surface("plan"),
-        repairs=catalog.repairs("reconstruct"),
     log:
         "results/{scene}/{quality}/logs/surface/{segment}.log",
     benchmark:
@@ -29,9 +11,19 @@ rule reconstruct:
     threads: half_the_cores
     resources:
         mem_mb=memory("reconstruct"),
+    params:
+        spec=surface("spec"),
+        frames=surface("frames"),
+        assets=surface("assets"),
+        code=surface("code"),
+        versions=surface("versions"),
+        plan=surface("plan"),
+        repairs=catalog.repairs("reconstruct"),
+    message:
+        "Reconstruct the surface of {wildcards.scene}, frames {params.frames}"
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --failed results/{wildcards.scene}/{wildcards.quality}/failed/surface/{wildcards.segment}"
+        " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/surface/{wildcards.segment}"
         " -- {sys.executable:q} -m workflow.reconstruct --spec {params.spec:q} --simulation {input.particles:q}"
         " --frames {params.frames} --out @OUT --threads {threads}"

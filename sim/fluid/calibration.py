@@ -1,0 +1,74 @@
+"""How strongly solids act on the fluid, so that a lattice at rest next to one stays at rest.
+
+A particle next to a solid lacks the neighbours beyond it. What the solid adds to its density must be what they would
+add, and the force that follows must be what they would exert. The force of a solid is derived from its share of
+the density (the one way in which energy is conserved), and neighbours act twice, through their own pressure too;
+so with the natural weight of a solid only one of the two can hold: fluid sinks in, or energy is made.
+Both hold for a solid that is further away and weighs more. `Wall` solves for that distance and weight;
+samples of surfaces keep a given depth, since thin parts have room for no more, and take the weight for the density.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.fluid.kernel import (
+    cubic_host,
+    cubic_slope_host,
+    halfspace_area_host,
+    halfspace_volume_host,
+    lattice,
+)
+
+SAMPLE_DEPTH = 0.8
+"""Samples lie this many spacings below the surface that the fluid is to meet."""
+
+
+@dataclass(frozen=True)
+class Lack:
+    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]."""
+
+    density: float
+    force: float
+
+
+def lack(spacing: float, h: float) -> Lack:
+    """Sums over the lattice points beyond the outermost layer, relative to all."""
+    points = lattice(spacing, h)
+    r = np.linalg.norm(points, axis=1)
+    total = cubic_host(r, h).sum()
+    beyond = points[:, 1] < -spacing / 2
+    slope = cubic_slope_host(r[beyond], h) * points[beyond, 1]
+    return Lack(float(cubic_host(r[beyond], h).sum() / total), float(slope.sum() / total))
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume."""
+
+    distance: float
+    weight: float
+
+
+def calibrate_wall(spacing: float, h: float) -> Wall:
+    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force."""
+    missing = lack(spacing, h)
+    ratio = missing.density / (2 * missing.force * h)
+    low, high = 0.0, 0.999
+    for _ in range(60):
+        q = (low + high) / 2
+        low, high = (q, high) if halfspace_volume_host(q) / halfspace_area_host(q) > ratio else (low, q)
+    return Wall(low * h, missing.density / halfspace_volume_host(low))
+
+
+def sample_weight(spacing: float, h: float) -> float:
+    """Factor on the volume of boundary samples `SAMPLE_DEPTH` below the surface that makes up for the lack of density."""
+    reach = int(np.ceil(h / spacing))
+    axis = np.arange(-reach, reach + 1) * spacing
+    x, z = np.meshgrid(axis, axis)
+    across = np.hypot(x, z).ravel()
+    volume = 1.0 / cubic_host(across, h).sum()
+    distance = (SAMPLE_DEPTH + 0.5) * spacing
+    return lack(spacing, h).density / float(volume * cubic_host(np.hypot(across, distance), h).sum())

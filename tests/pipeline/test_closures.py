@@ -1,0 +1,72 @@
+"""The source files that a stage loads when it runs are among those that it is said to depend on."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workflow.plan import ENTRY
+from workflow.sources import closure
+
+RECORDER = """\
+import json, pathlib, runpy, sys
+entry, target, *arguments = sys.argv[1:]
+sys.argv = [entry, *arguments]
+try:
+    runpy.run_module(entry, run_name="__main__", alter_sys=True)
+except SystemExit as end:
+    assert not end.code, end.code
+files = {getattr(module, "__file__", None) for module in list(sys.modules.values())}
+pathlib.Path(target).write_text(json.dumps(sorted(filter(None, files))))
+"""
+
+
+@pytest.fixture
+def loaded(project, tmp_path):
+    def run(entry: str, *arguments: str) -> set[Path]:
+        target = tmp_path / "modules.json"
+        command = [sys.executable, "-c", RECORDER, entry, str(target), *arguments]
+        done = subprocess.run(command, cwd=project.folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        files = {Path(file).resolve() for file in json.loads(target.read_text())}
+        return {file for file in files if file.is_relative_to(project.folder.resolve())}
+
+    return run
+
+
+def recorded_spec(project, stage: str, result: Path) -> str:
+    from workflow import record
+
+    output = result.relative_to(project.folder).as_posix()
+    values = record.params(output, project.folder)
+    return next(eval(value) for value in values if value.startswith("'{"))
+
+
+def arguments_of(project, stage: str) -> list[str]:
+    simulation, surface = project.results / "simulation" / "000", project.results / "surface" / "000"
+    frames = project.results / "frames" / "000"
+    result = {"simulate": simulation, "reconstruct": surface, "render": frames, "film": project.film}[stage]
+    spec = ["--spec", recorded_spec(project, stage, result), "--out", str(project.folder / "again")]
+    return (
+        spec
+        + {
+            "simulate": ["--folder", str(project.scene.parent), "--frames", "0:1"],
+            "reconstruct": ["--simulation", str(simulation), "--frames", "0:1"],
+            "render": ["--simulation", str(simulation), "--surface", str(surface), "--frames", "0:0", "--fps", "4"],
+            "film": ["--frames-from", str(frames), str(frames.with_name("001")), "--simulation", str(simulation)],
+        }[stage]
+    )
+
+
+@pytest.mark.parametrize("stage", list(ENTRY))
+def test_closure_covers_what_is_loaded(project, loaded, stage):
+    materials = frozenset({"fluid", "rigid"})
+    expected = set(closure(ENTRY[stage], project.folder.resolve(), materials))
+    found = loaded(ENTRY[stage], *arguments_of(project, stage))
+    assert found, "nothing of the project was loaded"
+    unused = {file for file in found if "cloth" in file.parts}
+    assert found - unused <= expected

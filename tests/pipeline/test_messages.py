@@ -1,0 +1,54 @@
+"""What someone reads who asks for something that can not be made."""
+
+from __future__ import annotations
+
+
+def refused(ran, *words: str) -> None:
+    assert ran.code != 0
+    assert "Traceback" not in ran.text
+    for word in words:
+        assert word in ran.text, ran.text
+
+
+def test_a_wrong_name_brings_the_close_ones(fresh):
+    refused(fresh.snakemake("-n", "renders/tests/pont"), "no scene 'tests/pont'", "did you mean renders/tests/pond?")
+    refused(fresh.snakemake("-n", "renders/pond"), "renders/tests/pond")
+    refused(fresh.snakemake("-n", "renders/tests/pond/pond.mp4"), "renders/tests/pond")
+    refused(fresh.snakemake("-n", "renders/zebra"), "the scenes are tests/pond")
+
+
+def test_a_mistake_in_the_scene(fresh):
+    fresh.edit("samples: 1", "samples: -1")
+    refused(fresh.snakemake("--cores", "1", "renders/tests/pond"), "pond.yaml:18", "render.samples", "fix:")
+    assert not (fresh.folder / "results").exists()
+
+
+def test_a_copy_outside_of_the_project(fresh):
+    fresh.append("scenes/tests/pond.yaml", "film: {copy_to: ../pond.mp4}\n")
+    refused(fresh.snakemake("-n", "renders/tests/pond"), "copy_to", "outside")
+
+
+def test_a_copy_among_the_results(fresh):
+    fresh.append("scenes/tests/pond.yaml", "film: {copy_to: renders/pond.mp4}\n")
+    refused(fresh.snakemake("-n", "renders/tests/pond"), "pond.yaml:19", "copy_to", "the workflow manages")
+
+
+def test_wrong_configuration(fresh):
+    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "quality=best"), "best", "draft, standard, final")
+    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "qualty=draft"), "qualty", "quality")
+
+
+def test_a_part_that_the_film_does_not_have(fresh):
+    refused(fresh.snakemake("-n", "results/tests/pond/standard/simulation/007"), "no part 7 of 2")
+
+
+def test_a_scene_named_like_a_folder_of_scenes(fresh):
+    (fresh.folder / "scenes" / "tests.yaml").write_text(fresh.scene.read_text())
+    refused(fresh.snakemake("-n", "renders/tests"), "rename one")
+
+
+def test_without_a_target_the_scenes_are_listed(fresh):
+    ran = fresh.snakemake()
+    assert ran.code == 0
+    assert "snakemake --cores all renders/NAME" in ran.text
+    assert "renders/tests/pond  A block of water falls beside a stone." in ran.text

@@ -1,0 +1,78 @@
+"""From PLY files to Blender meshes."""
+
+import math
+
+import pytest
+
+from render import ply
+from render.axes import z_up, z_up_quaternion
+from render.errors import Unusable
+from render.meshes import build_mesh
+from render.ply import read_mesh
+
+NAMES = "x y z nx ny nz vx vy vz"
+TRIANGLE = [(1, 2, 3, 0, 1, 0, 4, 5, 6), (2, 2, 3, 0, 1, 0, 4, 5, 6), (1, 2, 5, 0, 1, 0, 7, 8, 9)]
+
+
+@pytest.fixture(params=["numpy", "struct"])
+def reader(request, monkeypatch):
+    if request.param == "struct":
+        monkeypatch.setattr(ply, "np", None)
+
+
+def test_positions_and_velocities_turn_from_y_up_to_z_up(reader, tmp_path, write_mesh):
+    mesh = build_mesh("triangle", read_mesh(write_mesh(tmp_path / "a.ply", NAMES, TRIANGLE, [(0, 1, 2)])))
+    assert tuple(mesh.vertices[0].co) == (1.0, -3.0, 2.0)
+    assert tuple(mesh.vertices[2].co) == (1.0, -5.0, 2.0)
+    velocity = mesh.attributes["velocity"]
+    assert (velocity.data_type, velocity.domain) == ("FLOAT_VECTOR", "POINT")
+    assert tuple(velocity.data[2].vector) == (7.0, -9.0, 8.0)
+    assert [tuple(face.vertices) for face in mesh.polygons] == [(0, 1, 2)]
+    assert mesh.polygons[0].use_smooth
+
+
+def test_an_empty_surface_is_an_empty_mesh(reader, tmp_path, write_mesh):
+    mesh = build_mesh("nothing", read_mesh(write_mesh(tmp_path / "a.ply", NAMES, [], [])))
+    assert len(mesh.vertices) == len(mesh.polygons) == 0
+
+
+def test_a_file_cut_short_is_refused(reader, tmp_path, write_mesh):
+    path = write_mesh(tmp_path / "a.ply", NAMES, TRIANGLE, [(0, 1, 2)])
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(Unusable, match=r"a\.ply is not a whole binary triangle mesh"):
+        read_mesh(path)
+
+
+def test_numbers_that_are_not_finite_are_refused(reader, tmp_path, write_mesh):
+    vertices = [TRIANGLE[0], TRIANGLE[1], (1, math.nan, *TRIANGLE[2][2:])]
+    with pytest.raises(Unusable, match="y of a vertex is not finite"):
+        read_mesh(write_mesh(tmp_path / "a.ply", NAMES, vertices, [(0, 1, 2)]))
+
+
+def test_an_index_beyond_the_vertices_is_refused(reader, tmp_path, write_mesh):
+    with pytest.raises(Unusable, match="beyond the 3"):
+        read_mesh(write_mesh(tmp_path / "a.ply", NAMES, TRIANGLE, [(0, 1, 3)]))
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(Unusable, match="No such file"):
+        read_mesh(tmp_path / "gone.ply")
+
+
+def test_turning_then_mapping_is_mapping_then_turning():
+    # M R(q) v = R(M q) M v
+    turn, vector = (0.5, 0.1, -0.7, 0.5), (0.3, -0.2, 0.9)
+    first = z_up(_rotate(turn, vector))
+    assert first == pytest.approx(_rotate(z_up_quaternion(turn), z_up(vector)))
+
+
+def _rotate(quaternion, vector):
+    w, *axis = quaternion
+    norm = math.sqrt(sum(part * part for part in quaternion))
+    w, axis = w / norm, [part / norm for part in axis]
+    twice = [2 * part for part in _cross(axis, vector)]
+    return tuple(v + w * t + c for v, t, c in zip(vector, twice, _cross(axis, twice), strict=True))
+
+
+def _cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

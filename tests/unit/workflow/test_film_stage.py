@@ -1,0 +1,180 @@
+"""Frames in, film out: read back by ffmpeg, byte-identical when made again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import imageio_ffmpeg
+import pytest
+from PIL import Image
+
+from sim.settings import Refused
+from workflow.contact_sheet import chosen, contact_sheet
+from workflow.film import main, run
+from workflow.film_spec import ContactSheet, FilmJobSpec, FilmSpec
+
+
+@pytest.fixture(autouse=True)
+def in_a_project(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def blocks(folder: Path, *lengths: int, size: tuple[int, int] = (65, 49)) -> list[Path]:
+    """Folders of frames whose colours change with time."""
+    made, frame = [], 0
+    for index, length in enumerate(lengths):
+        block = folder / f"block{index}"
+        block.mkdir(parents=True)
+        for _ in range(length):
+            Image.new("RGB", size, (20 * frame % 256, 100, 200)).save(block / f"{frame:05d}.png")
+            frame += 1
+        (block / "summary.json").write_text(
+            json.dumps({"status": "done", "versions": {"blender": "4"}, "wall_s": {"render": 2.0, "total": 3.0}})
+        )
+        made.append(block)
+    return made
+
+
+def segments(folder: Path) -> list[Path]:
+    made = []
+    for index in range(2):
+        segment = folder / f"segment{index}"
+        segment.mkdir(parents=True)
+        columns = "step,time,dt,wall_s,n_fluid,kinetic_energy" + (",contacts" if index else "")
+        rows = [f"{5 * index + i},{0.1 * (5 * index + i)},0.1,0.5,10,{i}" + (",1" if index else "") for i in range(5)]
+        (segment / "steps.csv").write_text("\n".join([columns, *rows]) + "\n")
+        summary = {
+            "status": "done",
+            "counts": {"steps": 5, "particles": 10 + index, "retries": index},
+            "simulated_s": 0.5,
+            "wall_s": {"compile": 1.0, "total": 4.0},
+        }
+        (segment / "summary.json").write_text(json.dumps(summary))
+        made.append(segment)
+    return made
+
+
+def spec(last_frame: int, **film) -> FilmJobSpec:
+    return FilmJobSpec(name="tiny/pond", fps=8, last_frame=last_frame, film=FilmSpec(**film))
+
+
+def read_back(video: Path) -> tuple[dict, int]:
+    """What ffmpeg says of a film, and its number of frames."""
+    reader = imageio_ffmpeg.read_frames(str(video))
+    meta = next(reader)
+    reader.close()
+    return meta, imageio_ffmpeg.count_frames_and_secs(str(video))[0]
+
+
+@pytest.mark.parametrize("size", [(64, 48), (65, 49), (65, 48), (2, 3)])
+def test_frames_rate_and_size(tmp_path, size):
+    run(spec(6), blocks(tmp_path, 5, 2, size=size), tmp_path / "out")
+    meta, count = read_back(tmp_path / "out" / "pond.mp4")
+    assert count == 7
+    assert meta["fps"] == pytest.approx(8)
+    assert meta["source_size"] == tuple(edge + edge % 2 for edge in size)
+    assert meta["codec"] == "h264"
+    assert "yuv420p" in meta["pix_fmt"]
+    assert len(list((tmp_path / "out" / "frames").glob("*.png"))) == 7
+
+
+@pytest.mark.parametrize("fps", [2, 23.976, 120])
+def test_playback_rate(tmp_path, fps):
+    run(spec(6, playback_fps=fps), blocks(tmp_path, 7), tmp_path / "out")
+    meta, count = read_back(tmp_path / "out" / "pond.mp4")
+    assert count == 7
+    assert meta["fps"] == pytest.approx(fps, abs=0.01)
+
+
+def test_the_same_frames_give_the_same_bytes(tmp_path):
+    frames, simulation = blocks(tmp_path, 4), segments(tmp_path)
+    for name in ("first", "second"):
+        run(spec(3), frames, tmp_path / name, simulation=simulation)
+    for name in ("pond.mp4", "contact.png", "plots.png", "steps.csv"):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
+
+
+def test_a_frame_more_than_the_film_has_is_left_out(tmp_path):
+    run(spec(2), blocks(tmp_path, 5), tmp_path / "out")
+    assert read_back(tmp_path / "out" / "pond.mp4")[1] == 3
+
+
+def test_a_missing_frame_is_refused(tmp_path):
+    made = blocks(tmp_path, 3, 2)
+    (made[1] / "00004.png").unlink()
+    with pytest.raises(Refused, match=r"1 of 5 frames are missing, first 00004\.png"):
+        run(spec(4), made, tmp_path / "out")
+
+
+def test_pictures_that_do_not_fit_together_are_refused(tmp_path):
+    made = blocks(tmp_path, 3)
+    Image.new("RGB", (10, 10)).save(made[0] / "00001.png")
+    with pytest.raises(Refused, match="differ in size"):
+        run(spec(2), made, tmp_path / "out")
+    (made[0] / "00001.png").write_bytes(b"no picture")
+    with pytest.raises(Refused, match="not a picture"):
+        run(spec(2), made, tmp_path / "out")
+
+
+def test_summary_and_tables(tmp_path):
+    run(spec(4), blocks(tmp_path, 3, 2), tmp_path / "out", simulation=segments(tmp_path))
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["status"] == "done"
+    assert (summary["name"], summary["frames"], summary["size"]) == ("tiny/pond", 5, [65, 49])
+    assert summary["counts"] == {"steps": 10, "particles": 11, "retries": 1}
+    assert summary["simulated_s"] == pytest.approx(1.0)
+    assert summary["wall_s"]["simulate"] == {"compile": 2.0, "total": 8.0}
+    assert summary["wall_s"]["render"] == {"render": 4.0, "total": 6.0}
+    assert summary["particle_steps_per_s"] == pytest.approx(10 / 0.5)
+    assert summary["versions"]["blender"] == "4"
+    lines = (tmp_path / "out" / "steps.csv").read_text().splitlines()
+    assert len(lines) == 11
+    assert lines[0].endswith("kinetic_energy,contacts")
+    assert lines[1].endswith(",0,")
+    assert (tmp_path / "out" / "plots.png").stat().st_size > 5000
+    assert not (tmp_path / "out" / "probes.csv").exists()
+
+
+def test_a_stage_that_did_not_end_well_shows_in_the_status(tmp_path):
+    made = blocks(tmp_path, 2)
+    (made[0] / "summary.json").write_text('{"status": "stopped"}')
+    run(spec(1), made, tmp_path / "out")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["status"] == "stopped"
+
+
+def test_the_copy_stays_in_the_project(tmp_path):
+    run(spec(1, copy_to="gallery/a.mp4"), blocks(tmp_path, 2), tmp_path / "out")
+    assert (tmp_path / "gallery" / "a.mp4").read_bytes() == (tmp_path / "out" / "pond.mp4").read_bytes()
+    (tmp_path / "elsewhere").symlink_to("/tmp")
+    for path in ("../a.mp4", "/tmp/a.mp4", "elsewhere/a.mp4", "renders/a.mp4", "results/x/a.mp4", ".git/a.mp4"):
+        with pytest.raises(Refused, match="copy_to"):
+            FilmSpec(copy_to=path).copy_path(tmp_path)
+
+
+def test_exit_codes(tmp_path, capsys):
+    made = blocks(tmp_path, 2)
+    given = ["--frames-from", str(made[0]), "--out", str(tmp_path / "out"), "--spec"]
+    assert main([*given, '{"name": "a", "fps": 8, "last_frame": 1}']) == 0
+    assert main([*given, '{"name": "a", "fps": 8, "last_frame": 2}']) == 2
+    assert main([*given, '{"name": "a", "fps": "fast"}']) == 2
+    assert "film: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("frames", "wanted"), [(1, 12), (2, 12), (12, 12), (49, 12), (600, 7), (5, 1)])
+def test_frames_of_the_contact_sheet(frames, wanted):
+    found = chosen(frames, wanted)
+    assert len(found) == len(set(found)) == min(frames, wanted)
+    assert found == sorted(found)
+    assert found[0] == 0
+    assert wanted == 1 or found[-1] == frames - 1
+
+
+@pytest.mark.parametrize(("frames", "columns", "width"), [(1, 4, 1920), (12, 4, 1920), (5, 2, 300), (400, 40, 1000)])
+def test_size_of_the_contact_sheet(tmp_path, frames, columns, width):
+    pictures = sorted(blocks(tmp_path, frames)[0].glob("*.png"))
+    look = ContactSheet(frames=frames, columns=columns, width=width)
+    sheet = contact_sheet(pictures, fps=8, title="a pond", spec=look)
+    assert sheet.width == width
+    colours = sheet.getcolors(maxcolors=1 << 24)
+    assert len(colours) > 2

@@ -1,0 +1,82 @@
+"""Which source files count for a stage and a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from workflow.sources import closure, digest
+
+FILES = {
+    "sim/__init__.py": "",
+    "sim/segment.py": "from sim import world\nimport numpy\n",
+    "sim/world.py": """\
+from .units import metre
+def load(material):
+    if material == "cloth":
+        from sim.cloth import solver
+    from sim.coupling import fluid_rigid, fluid_cloth, common
+SOLVERS = {"dfsph": "sim.fluid.dfsph:Dfsph"}
+TEXT = "sim.fluid.unknown"
+""",
+    "sim/units.py": "metre = 1\n",
+    "sim/unused.py": "",
+    "sim/fluid/__init__.py": "",
+    "sim/fluid/dfsph.py": "from sim.fluid.kernel import w\n",
+    "sim/fluid/kernel.py": "",
+    "sim/cloth/__init__.py": "",
+    "sim/cloth/solver.py": "from sim.cloth_tools import x\n",
+    "sim/cloth_tools.py": "",
+    "sim/coupling/__init__.py": "",
+    "sim/coupling/fluid_rigid.py": "",
+    "sim/coupling/fluid_cloth.py": "",
+    "sim/coupling/common.py": "",
+    "render/__init__.py": "",
+    "render/__main__.py": "import sim.units\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path
+
+
+def names(root: Path, entry: str, *materials: str) -> set[str]:
+    return {path.relative_to(root).as_posix() for path in closure(entry, root, frozenset(materials))}
+
+
+def test_imports_are_followed_also_relative_in_functions_and_in_strings(tree):
+    found = names(tree, "sim.segment", "fluid", "rigid", "cloth")
+    assert found == set(FILES) - {"sim/unused.py", "render/__init__.py", "render/__main__.py"}
+
+
+def test_materials_that_are_not_used_do_not_count(tree):
+    found = names(tree, "sim.segment", "fluid", "rigid")
+    assert not {name for name in found if "cloth" in name}
+    assert {"sim/coupling/fluid_rigid.py", "sim/coupling/common.py", "sim/fluid/kernel.py"} <= found
+    dry = names(tree, "sim.segment", "rigid")
+    assert not {name for name in dry if "fluid" in name}
+
+
+def test_a_package_starts_at_its_main(tree):
+    assert names(tree, "render") == {"render/__init__.py", "render/__main__.py", "sim/__init__.py", "sim/units.py"}
+
+
+def test_the_digest_changes_with_what_counts_and_nothing_else(tree):
+    fluid, cloth = frozenset({"fluid"}), frozenset({"cloth"})
+    before = digest("sim.segment", tree, fluid), digest("sim.segment", tree, cloth)
+    (tree / "sim/cloth/solver.py").write_text("x = 2\n")
+    (tree / "sim/unused.py").write_text("x = 2\n")
+    after = digest("sim.segment", tree, fluid), digest("sim.segment", tree, cloth)
+    assert after[0] == before[0]
+    assert after[1] != before[1]
+
+
+def test_a_module_that_does_not_exist(tree):
+    with pytest.raises(FileNotFoundError, match=r"sim\.nothing"):
+        closure("sim.nothing", tree)

@@ -1,0 +1,76 @@
+"""The hashed neighbour search against a search through all pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+
+def listed(ti, points: np.ndarray, others: np.ndarray | None, h: float) -> list[set[int]]:
+    """Neighbour sets by former index, as the hash grid finds them."""
+    from sim.arrays import Declared, Particles
+    from sim.neighbors import HashGrid, NeighborList, StaticGrid
+
+    particles = Particles([Declared("position", "vec4", "m"), Declared("tag", "vec2i", "")], len(points))
+    tags = np.column_stack((np.arange(len(points)), np.zeros(len(points)))).astype(np.int32)
+    particles.load({"position": np.column_stack((points, np.zeros(len(points)))).astype(np.float32), "tag": tags})
+    grid = HashGrid(len(points), h)
+    particles.reorder(grid.sort(particles.position))
+    lists = NeighborList(len(points), 8)
+    former = particles.numpy("tag")[:, 0]
+    if others is None:
+        lists.build(particles.position, grid, particles.position)
+        names = former
+    else:
+        static = StaticGrid(others, h)
+        samples = ti.ndarray(ti.types.vector(4, ti.f32), len(others))
+        samples.from_numpy(np.column_stack((others[static.order], np.zeros(len(others)))).astype(np.float32))
+        lists.build(particles.position, static, samples)
+        names = static.order
+    size, index = lists.size.to_numpy(), lists.index.to_numpy()
+    found: list[set[int]] = [set()] * len(points)
+    for row in range(len(points)):
+        assert len(set(index[row, : size[row]])) == size[row], "a neighbour is listed twice"
+        found[former[row]] = {int(names[j]) for j in index[row, : size[row]]}
+    return found
+
+
+CLOUDS = {
+    "a dense ball": lambda rng: rng.normal(size=(400, 3)) * 0.12,
+    "far apart, over many periods of the hash": lambda rng: rng.uniform(-50, 50, size=(60, 3)).repeat(5, axis=0)
+    + rng.uniform(-0.06, 0.06, size=(300, 3)),
+    "negative coordinates and a line": lambda rng: np.column_stack((np.linspace(-3, 0, 200), np.full((200, 2), -1.0))),
+    "one particle": lambda rng: np.array([[0.3, -0.2, 0.1]]),
+}
+
+
+@pytest.mark.parametrize("cloud", CLOUDS)
+@pytest.mark.parametrize("against_boundary", [False, True])
+def test_finds_exactly_the_pairs_in_the_support(taichi, cloud, against_boundary):
+    rng = np.random.default_rng(1)
+    h = 0.1
+    points = CLOUDS[cloud](rng).astype(np.float32).astype(np.float64)
+    others = None
+    if against_boundary:
+        others = (points[rng.integers(0, len(points), 150)] + rng.normal(size=(150, 3)) * 0.05).astype(np.float32)
+    target = points if others is None else others.astype(np.float64)
+    expected = cKDTree(points).query_ball_tree(cKDTree(target), h * (1 + 1e-6))
+    certain = cKDTree(points).query_ball_tree(cKDTree(target), h * (1 - 1e-6))
+    for found, most, least in zip(listed(taichi, points, others, h), expected, certain, strict=True):
+        assert set(least) <= found <= set(most)
+
+
+def test_order_does_not_depend_on_the_run(taichi):
+    rng = np.random.default_rng(2)
+    points = rng.normal(size=(3000, 3)).astype(np.float32) * 0.3
+    from sim.arrays import vec4
+    from sim.neighbors import HashGrid
+
+    position = taichi.ndarray(vec4, len(points))
+    position.from_numpy(np.column_stack((points, np.zeros(len(points)))).astype(np.float32))
+    grid = HashGrid(len(points), 0.1)
+    orders = [grid.sort(position).to_numpy().copy() for _ in range(5)]
+    assert sorted(orders[0]) == list(range(len(points)))
+    for order in orders[1:]:
+        np.testing.assert_array_equal(order, orders[0])
