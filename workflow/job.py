@@ -75,6 +75,7 @@ def run(command: Sequence[str], *, output: Path, failed: Path, log: Log, plan: s
                 code = _run_stage([part.replace(PLACEHOLDER, str(partial)) for part in command], log)
                 if code == 0:
                     _publish(partial, output, plan)
+                    shutil.rmtree(failed, ignore_errors=True)
                 else:
                     _set_aside(partial, failed, code, log)
                 return code
@@ -142,7 +143,7 @@ def _set_aside(partial: Path, failed: Path, code: int, log: Log) -> None:
     message = f"the command {what}"
     if shutil.disk_usage(partial).free < NEARLY_FULL:
         message += f"; the disk of {partial.parent} is full: free some space and run the same command again"
-    if any(partial.iterdir()):
+    elif any(partial.iterdir()):
         shutil.rmtree(failed, ignore_errors=True)
         failed.parent.mkdir(parents=True, exist_ok=True)
         try:

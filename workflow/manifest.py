@@ -38,7 +38,10 @@ class Manifest:
 
     def damage(self, folder: Path) -> str:
         """What is missing or has another size; empty where all is there. Further files do not matter."""
-        present = dict(_sizes(folder))
+        try:
+            present = dict(_sizes(folder))
+        except OSError as error:
+            return f"{error.filename} can not be read"
         for name, size in self.files.items():
             if name not in present:
                 return f"{name} is missing"

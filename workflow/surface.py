@@ -60,9 +60,33 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
         normals_smoothing_iters=surface.normals.smoothing_iterations or None,
     )
     attributes = found.point_attributes
+    vertices = np.asarray(found.mesh.vertices, np.float32)
+    triangles = np.asarray(found.mesh.triangles).astype(np.int32)
     return Surface(
-        vertices=np.asarray(found.mesh.vertices, np.float32),
-        normals=np.asarray(attributes["normals"], np.float32),
+        vertices=vertices,
+        normals=_finite(np.asarray(attributes["normals"], np.float32), vertices, triangles),
         velocities=np.asarray(attributes["velocity"], np.float32),
-        triangles=np.asarray(found.mesh.triangles).astype(np.int32),
+        triangles=triangles,
     )
+
+
+def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """`normals` with those that splashsurf could not find, where triangles have no area, taken from the faces around:
+    first weighted by area, then from vertices beside, at last upwards."""
+    bad = ~np.isfinite(normals).all(axis=1)
+    if not bad.any():
+        return normals
+    corners = vertices[triangles].astype(np.float64)
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    from_faces = np.zeros(vertices.shape)
+    for corner in range(3):
+        np.add.at(from_faces, triangles[:, corner], areas)
+    beside = np.zeros(vertices.shape)
+    for corner in range(3):
+        np.add.at(beside, triangles[:, corner], from_faces[triangles].sum(axis=1))
+    repaired = normals.copy()
+    for candidate in (np.array([0.0, 1.0, 0.0]) + np.zeros(vertices.shape), beside, from_faces):
+        length = np.linalg.norm(candidate, axis=1)
+        use = bad & (length > np.finfo(np.float32).tiny)
+        repaired[use] = candidate[use] / length[use, None]
+    return repaired

@@ -36,6 +36,8 @@ class Wcsph(Settings):
     drop height and initial velocities allow, for about 1 % compression."""
     artificial_viscosity: Annotated[Dimensionless, Ge(0), Le(1)] = 0.05
     """Coefficient alpha of Monaghan (1992); damps the sound waves that compressibility brings."""
+    wall_damping: Annotated[Dimensionless, Ge(0), Le(2)] = 1.0
+    """The same coefficient for what runs into a solid: 0 makes drops bounce off, 1 makes them stay."""
 
 
 class Fluid(Settings):

@@ -48,6 +48,8 @@ class FluidSystem:
         self.count = count
         self.walls = walls
         self.boundary = boundary
+        self.wall_damping = 0.0
+        """Artificial viscosity against solids, alpha c [m/s]; the solver's choice."""
         self.h = spec.support_radius
         self.mass = particle_mass(spec.spacing, self.h, spec.rest_density)
         self.particles = Particles(PARTICLES, count)

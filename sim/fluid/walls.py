@@ -54,6 +54,18 @@ def wall_gradient(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32) 
 
 
 @ti.func
+def wall_damping(x: vec3, v: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32, strength: ti.f32) -> vec3:
+    """Deceleration of what runs into walls: artificial viscosity against each plane's nearest point, `strength` =
+    alpha c h / 2 [m^2/s]."""
+    a = vec3(0.0)
+    for k in range(count):
+        distance = ti.max(planes[k].xyz.dot(x) - planes[k].w, 0.25 / inverse_h)
+        speed = ti.min(planes[k].xyz.dot(v), 0.0)
+        a -= strength * speed / distance * halfspace_area(distance * inverse_h) * inverse_h * planes[k].xyz
+    return a
+
+
+@ti.func
 def wall_depth(x: vec3, count: ti.i32, planes: Vec4Array) -> ti.f32:
     """How deep x lies in the deepest wall [m]; negative outside all of them."""
     depth = -1e30

@@ -14,7 +14,7 @@ from sim.arrays import IntArray, IntTable, Vec4Array, vec3
 from sim.fluid.forces import artificial, cohesion_coefficient, viscous
 from sim.fluid.kernel import cubic, cubic_slope
 from sim.fluid.system import FluidSystem
-from sim.fluid.walls import wall_gradient, wall_volume
+from sim.fluid.walls import wall_damping, wall_gradient, wall_volume
 
 GAMMA = 7.0
 """Exponent of the equation of state of water (Cole 1948)."""
@@ -27,6 +27,7 @@ class Wcsph:
         spec = system.spec
         self.system = system
         self.speed_of_sound = speed_of_sound
+        system.wall_damping = spec.wcsph.wall_damping * speed_of_sound
         self.stiffness = spec.rest_density * speed_of_sound**2 / GAMMA
         self.cohesion = cohesion_coefficient(
             spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
@@ -103,6 +104,8 @@ class Wcsph:
             spec.viscosity,
             spec.wcsph.artificial_viscosity > 0,
             spec.wcsph.artificial_viscosity,
+            spec.wcsph.wall_damping > 0,
+            spec.wcsph.wall_damping,
             spec.surface_tension > 0,
             self.cohesion,
         )
@@ -188,6 +191,8 @@ def _force(
     viscosity: ti.f32,
     has_artificial: ti.template(),
     alpha: ti.f32,
+    has_damping: ti.template(),
+    wall_alpha: ti.f32,
     has_cohesion: ti.template(),
     cohesion: ti.f32,
 ):
@@ -221,7 +226,12 @@ def _force(
                 along = -x.w
                 if ti.static(has_viscosity):
                     along += viscous(v.xyz.dot(d), r2, h, viscosity) / v.w
+                if ti.static(has_damping):
+                    along += artificial(v.xyz.dot(d), r2, h, wall_alpha, speed_of_sound) / v.w
                 slope = cubic_slope(ti.sqrt(r2) * inverse_h)
                 a += rest_density * b.w * along * slope * norm * inverse_h * inverse_h * d
         a -= x.w * rest_density * wall_weight * wall_gradient(x.xyz, wall_count, planes, inverse_h)
+        if ti.static(has_damping):
+            strength = 0.5 * wall_alpha * speed_of_sound * h * rest_density * wall_weight / v.w
+            a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
         acceleration[i].xyz = a + gravity

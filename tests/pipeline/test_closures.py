@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from workflow import record
 from workflow.plan import ENTRY
 from workflow.sources import closure
 
@@ -38,19 +40,17 @@ def loaded(project, tmp_path):
     return run
 
 
-def recorded_spec(project, stage: str, result: Path) -> str:
-    from workflow import record
-
-    output = result.relative_to(project.folder).as_posix()
-    values = record.params(output, project.folder)
-    return next(eval(value) for value in values if value.startswith("'{"))
+def recorded_spec(project, result: Path) -> str:
+    """The settings in JSON that a result was made with."""
+    values = record.params(result.relative_to(project.folder).as_posix(), project.folder)
+    return next(ast.literal_eval(value) for value in values if value.startswith("'{"))
 
 
 def arguments_of(project, stage: str) -> list[str]:
     simulation, surface = project.results / "simulation" / "000", project.results / "surface" / "000"
     frames = project.results / "frames" / "000"
     result = {"simulate": simulation, "reconstruct": surface, "render": frames, "film": project.film}[stage]
-    spec = ["--spec", recorded_spec(project, stage, result), "--out", str(project.folder / "again")]
+    spec = ["--spec", recorded_spec(project, result), "--out", str(project.folder / "again")]
     return (
         spec
         + {

@@ -60,9 +60,11 @@ def test_sigkill_leaves_no_process_and_no_half_result(project):
     assert not list(project.results.rglob(".*.lock"))
 
 
-def test_a_stage_that_stops_keeps_what_it_left_and_says_where(fresh):
+def test_a_refused_stage_leaves_nothing_that_counts(fresh):
     fresh.edit("gravity: [0, -9.81, 0]", "gravity: [0, -9.81, 0]\nstep: {fixed: 1.0}")
     ran = fresh.snakemake("--cores", "1", TARGET)
     assert ran.code != 0
-    assert "tidemill: the command" in ran.text
-    assert not (fresh.folder / "results/tests/pond/standard/simulation/000").exists()
+    assert "step.fixed" in ran.text
+    assert "tidemill: the command refused its settings" in ran.text
+    assert not (fresh.results / "simulation" / "000").exists()
+    assert "step.fixed" in (fresh.results / "logs" / "simulation" / "000.log").read_text()

@@ -233,10 +233,13 @@ def test_threads_run_nothing(project):
 
 
 def test_a_scene_without_fluid_reconstructs_nothing(fresh):
-    dry = fresh.scene.with_name("dry.yaml")
-    dry.write_text(
-        "duration: 2\nfps: 4\nrigid:\n  bodies:\n    ball: {motion: static, shape: {type: sphere, radius: 1}}\n"
+    fresh.scene.with_name("dry.yaml").write_text(
+        "duration: 0.5\nfps: 4\n"
+        "rigid: {bodies: {ball: {motion: static, shape: {type: sphere, radius: 1}}}}\n"
+        "render: {resolution: [64, 48], samples: 1}\n"
     )
-    ran = fresh.dry_run("renders/tests/dry")
+    ran = fresh.make("renders/tests/dry")
     assert ran.stages == {"simulate", "render", "film"}
-    assert "/surface/" not in ran.text
+    assert (fresh.folder / "renders/tests/dry/dry.mp4").exists()
+    assert not (fresh.folder / "results/tests/dry/standard/surface").exists()
+    assert fresh.dry_run("renders/tests/dry").nothing

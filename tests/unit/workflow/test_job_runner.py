@@ -88,6 +88,12 @@ def test_failure_keeps_what_is_left_apart_and_passes_the_code_on(tmp_path, code,
     assert not hidden(tmp_path)
 
 
+def test_a_later_success_removes_what_a_failure_left(tmp_path):
+    (tmp_path / "failed").mkdir()
+    assert run(tmp_path, *python(WRITE)).returncode == 0
+    assert not (tmp_path / "failed").exists()
+
+
 def test_a_command_that_is_killed(tmp_path):
     done = run(tmp_path, *python("import os, signal; os.kill(os.getpid(), signal.SIGKILL)"))
     assert done.returncode == 128 + signal.SIGKILL
@@ -199,6 +205,7 @@ def test_a_full_disk(tmp_path):
         assert "tidemill:" in done.stderr
         assert "is full" in done.stderr
         assert not (disk / "made").exists()
+        assert not (disk / "failed").exists()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="mounting needs root")

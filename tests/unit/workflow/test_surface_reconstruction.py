@@ -167,3 +167,14 @@ def test_a_table_without_velocity(tmp_path):
     path.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nend_header\n\0\0\0\0")
     with pytest.raises(BadPly, match="no property vx"):
         columns(read_points(path), ("x", "vx"))
+
+
+def test_normals_are_finite_where_triangles_have_no_area():
+    from workflow.surface import _finite
+
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [5, 5, 5]], np.float32)
+    triangles = np.array([[0, 1, 2], [0, 3, 3], [4, 4, 4]], np.int32)
+    normals = np.full((5, 3), np.nan, np.float32)
+    normals[1] = [0, 0, 1]
+    expected = [[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 1, 0]]
+    np.testing.assert_allclose(_finite(normals, vertices, triangles), expected, atol=1e-6)
