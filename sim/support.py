@@ -17,6 +17,8 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
             location=("fluid", "solver"),
             remedy=f"use {' or '.join(sorted(SOLVERS))}",
         )
+    if spec.fluid is not None and not spec.fluid.bodies and not any(event.add.fluid for event in spec.events):
+        raise Refused("the fluid has no bodies", location=("fluid",), remedy="add fluid.bodies, or an event that adds one")
     for location, body in spec.placements():
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
@@ -33,7 +35,14 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
         if probe.type == "vertex":
             raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")
         if spec.fluid is None:
-            raise Refused("this probe measures fluid, and the scene has none", location=("probes", name), remedy="remove it")
+            message = "this probe measures fluid, and the scene has none"
+            raise Refused(message, location=("probes", name), remedy="remove it")
+        if probe.type == "force" and not _has_surface(spec, probe.body):
+            raise Refused(
+                f"the force on '{probe.body}' can not be measured: it is no rigid body with a surface",
+                location=("probes", name, "body"),
+                remedy="name a rigid body that is no plane",
+            )
     for index, event in enumerate(spec.events):
         if event.add.fluid and spec.fluid is None:
             raise Refused(
@@ -41,3 +50,11 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
                 location=("events", index, "add", "fluid"),
                 remedy="give the fluid section with at least one body",
             )
+
+
+def _has_surface(spec: SimulationSpec, name: str) -> bool:
+    return any(
+        location[-1] == name and location[-2] != "containers" and getattr(body, "shape", None) is not None
+        and body.shape.type != "plane"
+        for location, body in spec.placements()
+    )

@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Field
-
 from sim.geometry.spec import ClosedShape, Placement
 from sim.settings import Name, Settings
 from sim.units import (
@@ -45,8 +43,8 @@ class Fluid(Settings):
 
     particle_radius: Annotated[PositiveLength, Le(10.0)]
     """Half the spacing of the particles [m]: halving it costs about 16 times the time."""
-    bodies: Annotated[dict[Name, FluidBody], Field(min_length=1)]
-    """The volumes that hold fluid at the start, by name."""
+    bodies: dict[Name, FluidBody] = {}
+    """The volumes that hold fluid at the start, by name; events may add more."""
     solver: Literal["wcsph", "pcisph", "iisph", "dfsph"] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
