@@ -16,6 +16,8 @@ from sim.arrays import IntArray, IntTable, Vec4Array
 CELLS_PER_PARTICLE = 4
 SCAN_CHUNK = 1024
 MIN_PERIOD = 8
+ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
+"""Rows of three cells around a particle's cell, nearest in memory first."""
 
 
 def period_for(count: int) -> int:
@@ -200,29 +202,30 @@ def _build(
     size: IntArray,
     index: IntTable,
 ) -> ti.i32:
-    """List for every particle the `other` particles in its support; returns the longest list needed.
+    """List for every particle the `other` particles in its support; returns the room that was needed.
 
-    Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less.
-    So one slot has to stay free: a list as long as the capacity has to grow and be built again.
+    Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less. So there has to
+    be room for all candidates of a row, else the row is left out, and the list has to grow and be built again.
     """
     longest = 0
     for i in range(count):
         x = position[i].xyz
         at = cell_at(x, 1.0 / support_radius)
-        found = 0
+        found, needed = 0, 0
         left = (at.x - 1) & (period - 1)
         right = (at.x + 1) & (period - 1)
         pieces = ti.select(left < right, 1, 3)
-        for dz in range(-1, 2):
-            for dy in range(-1, 2):
-                row = row_of(at.y + dy, at.z + dz, period)
-                for piece in range(pieces):
-                    begin = row + ti.select(pieces == 1, left, (at.x - 1 + piece) & (period - 1))
-                    end = ti.select(pieces == 1, row + right, begin)
+        for dy, dz in ti.static(ROWS):
+            row = row_of(at.y + dy, at.z + dz, period)
+            for piece in range(pieces):
+                begin = row + ti.select(pieces == 1, left, (at.x - 1 + piece) & (period - 1))
+                end = ti.select(pieces == 1, row + right, begin)
+                needed = ti.max(needed, found + last[end] - first[begin])
+                if needed < capacity:
                     for j in range(first[begin], last[end]):
                         d = x - other[j].xyz
-                        index[i, ti.min(found, capacity - 1)] = j
+                        index[i, found] = j
                         found += ti.cast(d.dot(d) < support_radius * support_radius, ti.i32)
-        size[i] = ti.min(found, capacity)
-        ti.atomic_max(longest, found)
+        size[i] = found
+        ti.atomic_max(longest, needed)
     return longest

@@ -7,7 +7,7 @@ setting; `particle_radius: 10 s` is refused.
 from __future__ import annotations
 
 import functools
-import math
+import sys
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -30,14 +30,19 @@ class Unit:
 
     def convert(self, value: Any) -> Any:
         if isinstance(value, bool) or value is None:
+            shown = "nothing" if value is None else str(value).lower()
             raise PydanticCustomError(
-                "quantity", "expected a number in {unit}, got {value}", {"unit": self.symbol, "value": repr(value)}
+                "quantity", "expected {number}, got {value}", {"number": self._number(), "value": shown}
             )
         if isinstance(value, str):
             value = self._parse(value)
-        if isinstance(value, int | float) and not math.isfinite(value):
-            raise PydanticCustomError("quantity", "expected a finite number in {unit}", {"unit": self.symbol})
+        # A comparison, since math.isfinite fails for integers that no float can hold.
+        if isinstance(value, int | float) and not abs(value) <= sys.float_info.max:
+            raise PydanticCustomError("quantity", "expected {number} that is finite", {"number": self._number()})
         return value
+
+    def _number(self) -> str:
+        return "a plain number" if self.symbol == "1" else f"a number in {self.symbol}"
 
     def _parse(self, text: str) -> float:
         import pint
@@ -50,15 +55,12 @@ class Unit:
                 if not angle_given:
                     raise pint.DimensionalityError(text, self.symbol)
             return float(quantity.to(self.symbol).magnitude)
-        except (pint.errors.PintError, TypeError, ValueError, AttributeError, AssertionError, SyntaxError) as error:
+        except Exception as error:  # pint's parser lets errors of every kind through
+            example = "" if self.symbol == "1" else f", or a quantity such as '2 {self.symbol}'"
             raise PydanticCustomError(
                 "quantity",
-                "expected a number in {unit}, or a quantity such as '{example}', got '{text}'",
-                {"unit": self.symbol, "example": f"2 {self.symbol}", "text": text},
-            ) from error
-        except Exception as error:  # pint's tokenizer leaks errors of its own
-            raise PydanticCustomError(
-                "quantity", "expected a number in {unit}, got '{text}'", {"unit": self.symbol, "text": text}
+                "expected {number}{example}, got '{text}'",
+                {"number": self._number(), "example": example, "text": text[:80]},
             ) from error
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:

@@ -1,14 +1,15 @@
 """A YAML file as plain data that remembers the line of every key.
 
 YAML is read by the rules of version 1.2 where 1.1 surprises: `1e-4` is a number, `on` and `no`
-are text, a key given twice is an error, and no Python object is ever constructed.
+are text, a key given twice is an error, `<<` merges nothing, and no Python object is ever
+constructed.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,10 @@ import yaml
 
 Location = tuple[str | int, ...]
 
+MAX_BYTES = 1_000_000
 MAX_DEPTH = 40
 MAX_VALUES = 100_000
-"""Bounds that stop aliases which expand without end."""
+"""Bounds of a scene: they stop what is no scene, and aliases that expand without end."""
 
 
 class SceneError(Exception):
@@ -62,51 +64,51 @@ class Document:
         text = f"{place}: {name}: {message}" if name else f"{place}: {message}"
         if mark.text.strip():
             text += f"\n  {mark.line:>4} | {mark.text.rstrip()}"
-        return f"{text}\n  fix: {remedy}" if remedy else text
+        return f"{text}\n  fix: {remedy[0].lower() + remedy[1:]}" if remedy else text
 
     def merge(self, below: Location, onto: Location = ()) -> Document:
         """A copy in which the mapping at `below` overrides the values at `onto`, key by key."""
-        merged = Document(self.source, _copy(self.data), dict(self.marks))
+        merged = Document(self.source, _copy(self.data))
         override = _at(self.data, below)
+        moved: dict[Location, Location] = {}
         if isinstance(override, dict):
-            merged._override(onto, override, below)
+            _override(_at(merged.data, onto), override, below, onto, moved)
+        replaced = set(moved.values())
+        merged.marks = {place: mark for place, mark in self.marks.items() if _within(place, replaced) is None}
+        for place, mark in self.marks.items():
+            origin = _within(place, moved)
+            if origin is not None:
+                merged.marks[moved[origin] + place[len(origin) :]] = mark
         return merged
-
-    def _override(self, location: Location, override: dict[str, Any], source: Location) -> None:
-        target = _at(self.data, location)
-        for key, value in override.items():
-            here, there = (*location, key), (*source, key)
-            if isinstance(value, dict) and isinstance(target.get(key), dict):
-                self._override(here, value, there)
-                continue
-            target[key] = _copy(value)
-            self.marks = {place: mark for place, mark in self.marks.items() if place[: len(here)] != here}
-            moved = {here + place[len(there) :]: m for place, m in self.marks.items() if place[: len(there)] == there}
-            self.marks.update(moved)
 
     def set(self, assignment: str) -> None:
         """Apply `path.to.key=value`, the value in YAML; raises SceneError where it can not be."""
         path, equals, text = assignment.partition("=")
-        keys: Location = tuple(int(part) if part.isdigit() else part for part in path.strip().split("."))
+        keys: Location = tuple(int(part) if part.isdecimal() else part for part in path.strip().split("."))
+        source = f"--set {assignment}"
         if not equals or "" in keys:
-            raise SceneError([f"--set {assignment}: expected path.to.key=value\n  fix: --set fluid.viscosity=0.01"])
-        value = parse(f"value: {text}", source=f"--set {assignment}").data["value"]
+            raise SceneError([f"{source}: expected path.to.key=value\n  fix: --set fluid.viscosity=0.01"])
+        value = parse(f"value: {text}", source=source).data["value"]
         target: Any = self.data
-        for depth, key in enumerate(keys[:-1]):
-            if isinstance(target, list) and isinstance(key, int) and key < len(target):
-                target = target[key]
-            elif isinstance(target, dict):
-                if not isinstance(target.get(key), dict | list):
-                    target[key] = {}
-                target = target[key]
+        for depth, key in enumerate(keys):
+            here = dotted(keys[: depth + 1])
+            if isinstance(target, list) and not (isinstance(key, int) and key < len(target)):
+                raise SceneError(
+                    [f"{source}: {here} is not in the scene\n  fix: the list has the entries 0 to {len(target) - 1}"]
+                )
+            if not isinstance(target, dict | list):
+                raise SceneError(
+                    [f"{source}: {here} is not in the scene\n  fix: {dotted(keys[:depth])} holds one value: set that"]
+                )
+            key = str(key) if isinstance(target, dict) else key
+            if depth == len(keys) - 1:
+                target[key] = value
+            elif isinstance(target, dict) and not isinstance(target.get(key), dict | list):
+                target = target[key] = {}
             else:
-                raise SceneError([f"--set {assignment}: {dotted(keys[: depth + 1])} is not in the scene"])
-        try:
-            target[keys[-1]] = value
-        except (IndexError, TypeError):
-            raise SceneError([f"--set {assignment}: {dotted(keys)} is not in the scene"]) from None
+                target = target[key]
         self.marks = {place: mark for place, mark in self.marks.items() if place[: len(keys)] != keys}
-        self.marks[keys] = Mark(f"--set {assignment}")
+        self.marks[keys] = Mark(source)
 
 
 def dotted(location: Iterable[str | int]) -> str:
@@ -123,47 +125,59 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 def read(path: Path) -> Document:
     """Read a scene file; raises SceneError."""
     try:
-        text = path.read_text(encoding="utf-8")
+        content = path.read_bytes()
+        text = content.decode("utf-8-sig")
     except FileNotFoundError:
         siblings = [other.name for other in path.parent.glob("*.yaml")] if path.parent.is_dir() else []
         hint = (
             suggestion(path.name, siblings) if siblings else "give the path of a scene file such as scenes/bunny.yaml"
         )
         raise SceneError([f"{path}: no such scene file\n  fix: {hint}"]) from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise SceneError([f"{path}: can not be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
+    if len(content) > MAX_BYTES:
+        raise SceneError([f"{path}: larger than any scene file, {len(content):,} bytes\n  fix: give a scene file"])
     return parse(text, source=str(path))
 
 
 def parse(text: str, *, source: str) -> Document:
     """Parse YAML text; raises SceneError with the line of what is wrong."""
-    lines = text.splitlines()
+    reader = _Reader(source, text)
     try:
         root = yaml.compose(text, Loader=_Loader)
-        if root is None:
-            raise SceneError([f"{source}: the file is empty\n  fix: start from scenes/tiny/splash.yaml"])
-        document = Document(source, {})
-        loader = _Loader("")
-        data = _construct(loader, root, (), document, lines)
-        loader.dispose()
     except yaml.MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else 0
-        shown = f"\n  {line:>4} | {lines[line - 1]}" if 0 < line <= len(lines) else ""
-        raise SceneError([f"{source}:{line}: {error.problem or error.context}{shown}"]) from None
+        raise SceneError([reader.syntax_problem(error)]) from None
     except yaml.YAMLError as error:
-        raise SceneError([f"{source}: not YAML: {error}"]) from None
-    if not isinstance(data, dict):
+        reason = str(error).splitlines()[0]
+        raise SceneError([f"{source}: not YAML: {reason}\n  fix: give a UTF-8 text file in YAML"]) from None
+    if root is None:
+        raise SceneError([f"{source}: the file is empty\n  fix: start from scenes/tiny/splash.yaml"])
+    if not isinstance(root, yaml.MappingNode):
         raise SceneError([f"{source}:1: a scene is a mapping of settings\n  fix: start with `duration: 2`"])
-    document.data = data
-    return document
+    reader.document.data = reader.construct(root, ())
+    return reader.document
 
 
 class _Loader(yaml.SafeLoader):
-    """SafeLoader with the numbers and booleans of YAML 1.2."""
+    """SafeLoader with the numbers and booleans of YAML 1.2, and a bound on the nesting."""
 
+    def __init__(self, stream: str):
+        super().__init__(stream)
+        self._depth = 0
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise yaml.MarkedYAMLError(problem=TOO_MUCH, problem_mark=self.peek_event().start_mark)
+        node = super().compose_node(parent, index)
+        self._depth -= 1
+        return node
+
+
+TOO_MUCH = "more nesting or more values than a scene can have"
 
 _Loader.yaml_implicit_resolvers = {
-    first: [(tag, regexp) for tag, regexp in resolvers if tag.rpartition(":")[2] in {"null", "merge"}]
+    first: [(tag, regexp) for tag, regexp in resolvers if tag.rpartition(":")[2] == "null"]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
 _Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|false|False)$"), list("tTfF"))
@@ -175,55 +189,127 @@ _Loader.add_implicit_resolver(
 )
 
 
-def _construct_float(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> float:
-    return float(
-        loader.construct_scalar(node).replace(".inf", "inf").replace(".Inf", "inf").lower().replace(".nan", "nan")
-    )
+
+def _number(text: str) -> float:
+    return float(text.lower().replace(".inf", "inf").replace(".nan", "nan"))
 
 
-def _construct_int(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:
-    return int(loader.construct_scalar(node))
+def _integer(text: str) -> int | float:
+    # Python refuses to read thousands of digits; no setting needs more than a float holds.
+    return int(text) if len(text) < 19 else float(text)
 
 
-_Loader.add_constructor("tag:yaml.org,2002:float", _construct_float)
-_Loader.add_constructor("tag:yaml.org,2002:int", _construct_int)
+_TAG = "tag:yaml.org,2002:"
+_SCALARS: dict[str, Callable[[str], Any]] = {
+    f"{_TAG}str": str,
+    f"{_TAG}int": _integer,
+    f"{_TAG}float": _number,
+    f"{_TAG}bool": {"true": True, "True": True, "false": False, "False": False}.__getitem__,
+    f"{_TAG}null": lambda text: None,
+}
+_TAGS = {
+    yaml.ScalarNode: frozenset(_SCALARS),
+    yaml.SequenceNode: frozenset({f"{_TAG}seq"}),
+    yaml.MappingNode: frozenset({f"{_TAG}map"}),
+}
 
 
-def _construct(loader: _Loader, node: yaml.Node, location: Location, document: Document, lines: list[str]) -> Any:
-    line = node.start_mark.line + 1
-    if not node.tag.startswith("tag:yaml.org,2002:") or "python" in node.tag:
-        remedy = "remove the tag: settings are plain numbers, text, lists and mappings"
-        document.marks[location] = Mark(document.source, line, lines[line - 1])
-        raise SceneError([document.problem(location, f"the YAML tag '{node.tag}' is not allowed", remedy)])
-    if len(location) > MAX_DEPTH or len(document.marks) > MAX_VALUES:
-        raise SceneError([f"{document.source}:{line}: more nesting or more values than a scene can have"])
-    document.marks.setdefault(location, Mark(document.source, line, lines[line - 1] if line <= len(lines) else ""))
-    if isinstance(node, yaml.SequenceNode):
-        return [_construct(loader, item, (*location, i), document, lines) for i, item in enumerate(node.value)]
-    if not isinstance(node, yaml.MappingNode):
-        return loader.construct_object(node)
-    _refuse_duplicates(node, location, document, lines)
-    loader.flatten_mapping(node)
-    data: dict[str, Any] = {}
-    for key_node, value_node in node.value:
-        key = str(key_node.value)
-        document.marks[(*location, key)] = Mark(
-            document.source, key_node.start_mark.line + 1, lines[key_node.start_mark.line]
-        )
-        data[key] = _construct(loader, value_node, (*location, key), document, lines)
-    return data
+class _Reader:
+    """Builds a document from the nodes of a YAML file."""
+
+    def __init__(self, source: str, text: str):
+        self.document = Document(source, {})
+        # The line ends of YAML, not the many more of str.splitlines.
+        self._lines = re.split("\r\n|[\r\n\x85\u2028\u2029]", text)
+
+    def syntax_problem(self, error: yaml.MarkedYAMLError) -> str:
+        mark, problem = error.problem_mark, error.problem or error.context or "not YAML"
+        at_end = mark is None or not "".join(self._lines[mark.line :]).strip()
+        if at_end and error.context_mark is not None:
+            mark = error.context_mark
+        line = mark.line + 1 if mark else 0
+        self.document.marks[("",)] = self._mark(line)
+        return self.document.problem(("",), problem, _syntax_remedy(problem))
+
+    def construct(self, node: yaml.Node, location: Location) -> Any:
+        """Plain data of a node; every value's line is noted on the way."""
+        marks = self.document.marks
+        mark = marks.setdefault(location, self._mark(node.start_mark.line + 1))
+        if len(location) > MAX_DEPTH or len(marks) > MAX_VALUES:
+            raise SceneError([self.document.problem(location[:1], TOO_MUCH, _syntax_remedy(TOO_MUCH))])
+        if node.tag not in _TAGS[type(node)]:
+            marks[location] = self._mark(node.start_mark.line + 1)
+            tag = node.tag.replace(_TAG, "!!")
+            remedy = "remove the tag: settings are plain numbers, text, lists and mappings"
+            raise SceneError([self.document.problem(location, f"the YAML tag '{tag}' is not allowed here", remedy)])
+        if isinstance(node, yaml.SequenceNode):
+            return [self.construct(item, (*location, index)) for index, item in enumerate(node.value)]
+        if isinstance(node, yaml.MappingNode):
+            return self._mapping(node, location)
+        try:
+            return _SCALARS[node.tag](node.value)
+        except (ValueError, KeyError):
+            kind = node.tag.replace(_TAG, "!!")
+            remedy = "remove the tag, or give a value of its kind"
+            marks[location] = mark
+            raise SceneError([self.document.problem(location, f"'{node.value}' is no {kind}", remedy)]) from None
+
+    def _mapping(self, node: yaml.MappingNode, location: Location) -> dict[str, Any]:
+        data: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            line = key_node.start_mark.line + 1
+            key = str(key_node.value) if isinstance(key_node, yaml.ScalarNode) else ""
+            here = (*location, key)
+            first = self.document.marks.get(here)
+            self.document.marks[here] = self._mark(line)
+            if not key or key_node.tag not in _SCALARS:
+                remedy = "a key is a word, as in `radius: 0.1`"
+                raise SceneError([self.document.problem(here, "this can not be the name of a setting", remedy)])
+            if key == "<<":
+                remedy = "write the settings out, or override them in presets"
+                raise SceneError([self.document.problem(here, "merge keys are not part of YAML 1.2", remedy)])
+            if key in data:
+                message = f"'{key}' is given twice, first in line {first.line}"
+                remedy = "give each body, and each key, a name of its own"
+                raise SceneError([self.document.problem(here, message, remedy)])
+            data[key] = self.construct(value_node, here)
+        return data
+
+    def _mark(self, line: int) -> Mark:
+        text = self._lines[line - 1] if 0 < line <= len(self._lines) else ""
+        return Mark(self.document.source, line, text)
 
 
-def _refuse_duplicates(node: yaml.MappingNode, location: Location, document: Document, lines: list[str]) -> None:
-    first: dict[str, int] = {}
-    for key_node, _ in node.value:
-        key, line = str(key_node.value), key_node.start_mark.line + 1
-        if key in first:
-            document.marks[(*location, key)] = Mark(document.source, line, lines[line - 1])
-            message = f"'{key}' is given twice, first in line {first[key]}"
-            remedy = "give each body, and each key, a name of its own"
-            raise SceneError([document.problem((*location, key), message, remedy)])
-        first[key] = line
+def _syntax_remedy(problem: str) -> str:
+    """What is most often meant by a message of the YAML parser."""
+    for words, remedy in (
+        ("\\t", "indent with spaces instead of tabs"),
+        ("mapping values are not allowed", "indent keys of one group alike, and put text that holds ': ' in quotes"),
+        ("single document", "keep one scene in a file: remove the line `---`"),
+        ("undefined alias", "define it before with &, or put text that begins with * in quotes"),
+        (TOO_MUCH, "write the values out in plain lists and groups"),
+        ("'<stream end>'", "close the bracket"),
+        ("end of stream", "close the quotes"),
+    ):
+        if words in problem:
+            return remedy
+    return "check indentation, quotes and brackets in this line and the one before"
+
+
+def _override(
+    target: dict[str, Any], override: dict[str, Any], source: Location, onto: Location, moved: dict[Location, Location]
+) -> None:
+    for key, value in override.items():
+        if isinstance(value, dict) and isinstance(target.get(key), dict):
+            _override(target[key], value, (*source, key), (*onto, key), moved)
+        else:
+            target[key] = _copy(value)
+            moved[(*source, key)] = (*onto, key)
+
+
+def _within(place: Location, groups: Container[Location]) -> Location | None:
+    """The outermost beginning of `place` that is one of `groups`."""
+    return next((place[:end] for end in range(1, len(place) + 1) if place[:end] in groups), None)
 
 
 def _copy(value: Any) -> Any:

@@ -76,10 +76,9 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     r = np.linalg.norm(d, axis=1)
     approach = (velocity[pairs.row, :3] * d).sum(axis=1)
     along = -position[pairs.row, 3]
-    half = system.h / 2
-    friction = 10.0 * system.spec.viscosity * approach / (r**2 + 0.01 * system.h**2)
-    damping = system.wall_damping * half * np.minimum(approach, 0.0) / (r**2 + 0.01 * half**2)
-    along += (friction + damping) / velocity[pairs.row, 3]
+    friction = 10.0 * system.spec.viscosity * approach
+    friction += system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
+    along += friction / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
     strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along * cubic_slope_host(r, system.h)
     force = -strength[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)

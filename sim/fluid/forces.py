@@ -9,20 +9,21 @@ from sim.fluid.kernel import cubic_host
 
 
 @ti.func
-def viscous(approach: ti.f32, r2: ti.f32, h: ti.f32, nu: ti.f32) -> ti.f32:
-    """Factor of the gradient, per volume of the neighbour: 2 (dim + 2) nu (v.x) / (x^2 + 0.01 h^2).
+def viscous(approach: ti.f32, nu: ti.f32) -> ti.f32:
+    """Friction of a pair, over (x^2 + 0.01 h^2): 2 (dim + 2) nu (v.x), to multiply the volume and the gradient of the
+    neighbour.
 
     The Laplacian of Brookshaw (1985) in the form of Monaghan (2005) that conserves momentum;
     approach = v_ij . x_ij [m^2/s].
     """
-    return 10.0 * nu * approach / (r2 + 0.01 * h * h)
+    return 10.0 * nu * approach
 
 
 @ti.func
-def artificial(approach: ti.f32, r2: ti.f32, h: ti.f32, alpha: ti.f32, speed_of_sound: ti.f32) -> ti.f32:
-    """Monaghan (1992), eq. 4.1 without its quadratic term: acts on pairs that approach each other only."""
-    half = 0.5 * h
-    return alpha * speed_of_sound * half * ti.min(approach, 0.0) / (r2 + 0.01 * half * half)
+def artificial(approach: ti.f32, strength: ti.f32) -> ti.f32:
+    """The same for Monaghan (1992), eq. 4.1 without its quadratic term: only pairs that approach each other are
+    slowed; strength = alpha c h / 2 [m^2/s]."""
+    return strength * ti.min(approach, 0.0)
 
 
 def cohesion_coefficient(surface_tension: float, spacing: float, h: float, mass: float, rest_density: float) -> float:

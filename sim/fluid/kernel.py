@@ -18,10 +18,10 @@ def cubic(q: ti.f32) -> ti.f32:
 
 
 @ti.func
-def cubic_slope(q: ti.f32) -> ti.f32:
-    """(dW/dr) / r * h^5 pi / 8: the gradient is this times the vector r; finite at r = 0."""
+def cubic_slope(q: ti.f32, inverse_q: ti.f32) -> ti.f32:
+    """(dW/dr) / r * h^5 pi / 8: the gradient is this times the vector r; `inverse_q` may be anything at q < 1/2."""
     rest = ti.max(1.0 - q, 0.0)
-    return ti.select(q < 0.5, 18.0 * q - 12.0, -6.0 * rest * rest / ti.max(q, 0.5))
+    return ti.select(q < 0.5, 18.0 * q - 12.0, -6.0 * rest * rest * inverse_q)
 
 
 @ti.func

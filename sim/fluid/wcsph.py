@@ -198,40 +198,49 @@ def _force(
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    slope_norm = norm * inverse_h * inverse_h
+    half_hc = 0.5 * h * speed_of_sound
+    softening = 0.01 * h * h
+    nearest2 = 1e-8 * h * h
     for i in range(count):
         x, v = position[i], velocity[i]
-        a = vec3(0.0)
+        a, pull = vec3(0.0), vec3(0.0)
         for k in range(size[i]):
             j = index[i, k]
             xj, vj = position[j], velocity[j]
             d = x.xyz - xj.xyz
             r2 = d.dot(d)
-            q = ti.sqrt(r2) * inverse_h
+            inverse_r = ti.rsqrt(ti.max(r2, nearest2))
+            q = r2 * inverse_r * inverse_h
             along = -(x.w + xj.w)
             if ti.static(has_viscosity or has_artificial):
                 approach = (v.xyz - vj.xyz).dot(d)
-                inverse_density = 2.0 / (v.w + vj.w)
+                friction = 0.0
                 if ti.static(has_viscosity):
-                    along += inverse_density * viscous(approach, r2, h, viscosity)
+                    friction += viscous(approach, viscosity)
                 if ti.static(has_artificial):
-                    along += inverse_density * artificial(approach, r2, h, alpha, speed_of_sound)
-            a += mass * along * cubic_slope(q) * norm * inverse_h * inverse_h * d
+                    friction += artificial(approach, alpha * half_hc)
+                along += 2.0 * friction / ((v.w + vj.w) * (r2 + softening))
+            a += along * cubic_slope(q, inverse_r * h) * d
             if ti.static(has_cohesion):
-                a -= cohesion * norm * cubic(ti.max(q, spacing * inverse_h)) * d
+                pull -= cubic(ti.max(q, spacing * inverse_h)) * d
+        a = mass * slope_norm * a + cohesion * norm * pull
         if ti.static(has_boundary):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x.xyz - b.xyz
                 r2 = d.dot(d)
-                along = -x.w
+                inverse_r = ti.rsqrt(ti.max(r2, nearest2))
+                friction = 0.0
                 if ti.static(has_viscosity):
-                    along += viscous(v.xyz.dot(d), r2, h, viscosity) / v.w
+                    friction += viscous(v.xyz.dot(d), viscosity)
                 if ti.static(has_damping):
-                    along += artificial(v.xyz.dot(d), r2, h, wall_alpha, speed_of_sound) / v.w
-                slope = cubic_slope(ti.sqrt(r2) * inverse_h)
-                a += rest_density * b.w * along * slope * norm * inverse_h * inverse_h * d
+                    friction += artificial(v.xyz.dot(d), wall_alpha * half_hc)
+                along = -x.w + friction / (v.w * (r2 + softening))
+                slope = cubic_slope(r2 * inverse_r * inverse_h, inverse_r * h)
+                a += rest_density * slope_norm * b.w * along * slope * d
         a -= x.w * rest_density * wall_weight * wall_gradient(x.xyz, wall_count, planes, inverse_h)
         if ti.static(has_damping):
-            strength = 0.5 * wall_alpha * speed_of_sound * h * rest_density * wall_weight / v.w
+            strength = wall_alpha * half_hc * rest_density * wall_weight / v.w
             a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
         acceleration[i].xyz = a + gravity
