@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+import difflib
+import json
+from collections.abc import Iterable
+from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from sim.settings import Refused
+from sim.settings import Refused, Settings
 from sim.spec import Event, SimulationSpec
 
 
@@ -48,12 +51,7 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
         return SimulationSpec.model_validate(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        field = ".".join(str(part) for part in first["loc"])
-        raise Refused(
-            f"the event can not be applied: {field}: {first['msg']}",
-            location=("events", index, *(("set", next(iter(event.set))) if event.set else ())),
-            remedy="give a path of the scene and a value of its kind, as `gravity: [0, 0, 0]`",
-        ) from None
+        raise _refusal(event, index, tuple(map(str, first["loc"])), first["msg"]) from None
 
 
 FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", "events", "probes")
@@ -61,12 +59,60 @@ FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", 
 
 
 def _assign(data: dict[str, Any], path: str, value: Any, location: tuple[str | int, ...]) -> None:
-    if any(path == fixed or path.startswith(f"{fixed}.") for fixed in FIXED):
-        raise Refused(f"{path} can not change during the simulation", location=location, remedy="set it at the start")
+    for fixed in FIXED:
+        if f"{path}.".startswith(f"{fixed}.") or fixed.startswith(f"{path}."):
+            raise Refused(
+                f"{fixed} can not change during the simulation",
+                location=location,
+                remedy="give it once at the start, or set single settings of the group that are free to change",
+            )
     *groups, last = path.split(".")
     target = data
-    for key in groups:
-        if not isinstance(target.get(key), dict):
-            raise Refused(f"there is no setting '{path}'", location=location, remedy="give a dotted path of the scene")
-        target = target[key]
+    for depth, key in enumerate(groups):
+        inner = target.get(key)
+        if isinstance(inner, list | tuple):
+            remedy = f"set the whole list, as `{'.'.join(groups[: depth + 1])}: {json.dumps(inner)}`"
+            raise Refused(f"'{key}' is a list", location=location, remedy=remedy)
+        if not isinstance(inner, dict):
+            raise _unknown(path, key, target, location)
+        target = inner
     target[last] = value
+
+
+def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str) -> Refused:
+    """Blame the `set` whose path the invalid field lies at, or the event where there is none."""
+    for path in event.set:
+        keys = tuple(path.split("."))
+        # Pydantic puts the chosen members of unions between the keys.
+        if [key for key in field if key in keys][: len(keys)] == list(keys):
+            location = ("events", index, "set", path)
+            if reason == "Extra inputs are not permitted":
+                return _unknown(path, keys[-1], _known(keys[:-1]), location)
+            return Refused(
+                f"{path}: {reason}", location=location, remedy="give a value of the kind it has in the scene"
+            )
+    return Refused(
+        f"the event can not be applied: {'.'.join(field)}: {reason}",
+        location=("events", index),
+        remedy="change what the event sets, adds or removes",
+    )
+
+
+def _unknown(path: str, key: str, known: Iterable[str], location: tuple[str | int, ...]) -> Refused:
+    known = sorted(known)
+    close = difflib.get_close_matches(key, known, n=1)
+    meant = ".".join(close[0] if part == key else part for part in path.split(".")) if close else ""
+    remedy = f"did you mean '{meant}'?" if close else f"known here: {', '.join(known)}"
+    return Refused(f"there is no setting '{path}'", location=location, remedy=remedy)
+
+
+def _known(groups: tuple[str, ...]) -> list[str]:
+    """The settings of a group of the simulation, as far as it has fixed ones."""
+    model: Any = SimulationSpec
+    for key in groups:
+        field = model.model_fields.get(key)
+        members = (field.annotation, *get_args(field.annotation)) if field else ()
+        model = next((m for m in members if isinstance(m, type) and issubclass(m, Settings)), None)
+        if model is None:
+            return []
+    return list(model.model_fields)

@@ -5,27 +5,46 @@ from __future__ import annotations
 from pathlib import Path
 
 from sim.events import spec_at
-from sim.spec import SimulationSpec
+from sim.settings import Refused
+from sim.spec import Event, SimulationSpec
 from sim.world import Counts, World
 
 
 def preview(spec: SimulationSpec, folder: Path) -> str:
     """One line about what the scene holds at the start; raises Refused for what can not be simulated."""
-    for event in spec.events:
-        World(spec_at(spec, event.at), folder)
+    for index, event in enumerate(spec.events):
+        try:
+            world = World(spec_at(spec, event.at), folder)
+            if event.add.fluid:
+                _pour(world, list(event.add.fluid))
+        except Refused as refused:
+            raise _in_event(refused, event, index) from None
     world = World(spec_at(spec, 0.0), folder)
     solids = len(world.obstacles.placed) + len(world.obstacles.boxes)
     parts = [f"{solids} solid{'' if solids == 1 else 's'}"]
     if spec.fluid is not None:
-        from sim.fluid.part import FluidState
-
-        counts = Counts()
-        names = list(spec.fluid.bodies)
-        state = world.pour(FluidState(), names, names, counts)
-        parts.insert(0, f"{state.count:,} fluid particles")
+        particles, counts = _pour(world, list(spec.fluid.bodies))
+        parts.insert(0, f"{particles:,} fluid particles")
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]
     return "; ".join(parts)
+
+
+def _pour(world: World, bodies: list[str]) -> tuple[int, Counts]:
+    """How many particles the fluid bodies have, as if no other fluid were there; raises Refused."""
+    from sim.fluid.part import FluidState
+
+    counts = Counts()
+    return world.pour(FluidState(), bodies, bodies, counts).count, counts
+
+
+def _in_event(refused: Refused, event: Event, index: int) -> Refused:
+    """The refusal of a body that the event adds, at its place in the event."""
+    for place, part in enumerate(refused.location):
+        if part in event.add.names():
+            location = ("events", index, "add", refused.location[0], *refused.location[place:])
+            return Refused(refused.message, location=location, remedy=refused.remedy)
+    return refused

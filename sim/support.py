@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sim.events import apply
 from sim.fluid import SOLVERS
 from sim.settings import Refused
 from sim.spec import BoxContainer, SimulationSpec
@@ -18,7 +19,8 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
             remedy=f"use {' or '.join(sorted(SOLVERS))}",
         )
     if spec.fluid is not None and not spec.fluid.bodies and not any(event.add.fluid for event in spec.events):
-        raise Refused("the fluid has no bodies", location=("fluid",), remedy="add fluid.bodies, or an event that adds one")
+        remedy = "add fluid.bodies, or an event that adds one"
+        raise Refused("the fluid has no bodies", location=("fluid",), remedy=remedy)
     for location, body in spec.placements():
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
@@ -51,10 +53,23 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
                 remedy="give the fluid section with at least one body",
             )
 
+    _refuse_what_events_make(spec)
+
+
+def _refuse_what_events_make(spec: SimulationSpec) -> None:
+    current = spec.model_copy(update={"events": ()})
+    for index, event in enumerate(spec.events):
+        current = apply(current, event, index)
+        try:
+            refuse_unsupported(current)
+        except Refused as refused:
+            path = ".".join(map(str, refused.location))
+            location = ("events", index, "set", path) if path in event.set else ("events", index)
+            raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:
     return any(
-        location[-1] == name and location[-2] != "containers" and getattr(body, "shape", None) is not None
-        and body.shape.type != "plane"
+        location[-1] == name and "rigid" in (location[0], location[-2]) and body.shape.type != "plane"
         for location, body in spec.placements()
     )

@@ -7,11 +7,12 @@ setting; `particle_radius: 10 s` is refused.
 from __future__ import annotations
 
 import functools
+import re
 import sys
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Le
 from pydantic_core import PydanticCustomError, core_schema
 
 
@@ -20,6 +21,21 @@ def _registry():
     import pint
 
     return pint.UnitRegistry(cache_folder=None)
+
+
+_FACTOR = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d|[²³])?"
+# Only a number and a product of units: pint itself would also compute `9**9**9**9`.
+_QUANTITY = re.compile(
+    rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*)?\s*", re.ASCII
+)
+
+
+def _same_kind(given: str, wanted: str) -> bool:
+    """What dimensions do not tell: angles and turns are not plain numbers, and 1 Hz is not 1 rad/s."""
+    angular = any(word in given for word in ("radian", "degree", "revolution", "turn"))
+    if wanted == "1":
+        return not angular
+    return given != "dimensionless" and angular == (wanted in {"deg", "rad/s"})
 
 
 @dataclass(frozen=True)
@@ -45,17 +61,14 @@ class Unit:
         return "a plain number" if self.symbol == "1" else f"a number in {self.symbol}"
 
     def _parse(self, text: str) -> float:
-        import pint
-
-        registry = _registry()
         try:
-            quantity = registry.Quantity(text)
-            if quantity.dimensionless and self.symbol != "1" and not quantity.units.dimensionality:
-                angle_given = self.symbol == "deg" and str(quantity.units) in {"radian", "degree"}
-                if not angle_given:
-                    raise pint.DimensionalityError(text, self.symbol)
-            return float(quantity.to(self.symbol).magnitude)
-        except Exception as error:  # pint's parser lets errors of every kind through
+            number, unit = _QUANTITY.fullmatch(text).groups()
+            quantity = _registry().Quantity(float(number), unit or "")
+            if not _same_kind(str(quantity.units), self.symbol):
+                raise ValueError(text)
+            # 35 times 0.001 is not 0.035: the digits that were typed decide.
+            return float(f"{quantity.to(self.symbol).magnitude:.15g}")
+        except Exception as error:  # pint lets errors of every kind through
             example = "" if self.symbol == "1" else f", or a quantity such as '2 {self.symbol}'"
             raise PydanticCustomError(
                 "quantity",
@@ -67,27 +80,45 @@ class Unit:
         return core_schema.no_info_before_validator_function(self.convert, handler(source))
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        number = handler(schema)
-        quantity = {"type": "string", "pattern": r"^\s*[-+0-9.].*[A-Za-z]"}
-        return {"anyOf": [number, quantity], "unit": self.symbol}
+        number = _tightest(handler(schema))
+        quantity = {"type": "string", "pattern": r"^\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*[A-Za-zµ°]"}
+        return {"anyOf": [number] if self.symbol == "1" else [number, quantity], "unit": self.symbol}
 
 
-Dimensionless = Annotated[float, Unit("1")]
-Length = Annotated[float, Unit("m")]
-PositiveLength = Annotated[float, Gt(0), Unit("m")]
-Duration = Annotated[float, Ge(0), Unit("s")]
-PositiveDuration = Annotated[float, Gt(0), Unit("s")]
-Frequency = Annotated[float, Gt(0), Unit("Hz")]
-Speed = Annotated[float, Unit("m/s")]
-PositiveSpeed = Annotated[float, Gt(0), Unit("m/s")]
-Acceleration = Annotated[float, Unit("m/s^2")]
-AngularSpeed = Annotated[float, Unit("rad/s")]
-Angle = Annotated[float, Unit("deg")]
-Density = Annotated[float, Gt(0), Unit("kg/m^3")]
-Mass = Annotated[float, Gt(0), Unit("kg")]
-AreaDensity = Annotated[float, Gt(0), Unit("kg/m^2")]
-KinematicViscosity = Annotated[float, Ge(0), Unit("m^2/s")]
-SurfaceTension = Annotated[float, Ge(0), Unit("N/m")]
+def _tightest(number: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a float with one lower and one upper bound: pydantic adds further ones beside the first."""
+    lower = [(number[key], key in {"gt", "exclusiveMinimum"}) for key in _LOWER if key in number]
+    upper = [(number[key], key not in {"lt", "exclusiveMaximum"}) for key in _UPPER if key in number]
+    bounds = {}
+    if lower:
+        value, exclusive = max(lower)
+        bounds["exclusiveMinimum" if exclusive else "minimum"] = value
+    if upper:
+        value, inclusive = min(upper)
+        bounds["maximum" if inclusive else "exclusiveMaximum"] = value
+    return {key: value for key, value in number.items() if key not in {*_LOWER, *_UPPER}} | bounds
+
+
+_LOWER = ("ge", "gt", "minimum", "exclusiveMinimum")
+_UPPER = ("le", "lt", "maximum", "exclusiveMaximum")
+
+Dimensionless = Annotated[float, Ge(-1e9), Le(1e9), Unit("1")]
+Length = Annotated[float, Ge(-1e6), Le(1e6), Unit("m")]
+PositiveLength = Annotated[float, Ge(1e-6), Le(1e6), Unit("m")]
+Duration = Annotated[float, Ge(0), Le(1e6), Unit("s")]
+PositiveDuration = Annotated[float, Gt(0), Le(1e6), Unit("s")]
+Frequency = Annotated[float, Gt(0), Le(1e9), Unit("Hz")]
+Speed = Annotated[float, Ge(-1e5), Le(1e5), Unit("m/s")]
+PositiveSpeed = Annotated[float, Gt(0), Le(1e7), Unit("m/s")]
+Acceleration = Annotated[float, Ge(-1e6), Le(1e6), Unit("m/s^2")]
+AngularSpeed = Annotated[float, Ge(-1e6), Le(1e6), Unit("rad/s")]
+Angle = Annotated[float, Ge(-1e6), Le(1e6), Unit("deg")]
+Density = Annotated[float, Ge(1e-3), Le(1e6), Unit("kg/m^3")]
+Mass = Annotated[float, Ge(1e-15), Le(1e15), Unit("kg")]
+AreaDensity = Annotated[float, Ge(1e-6), Le(1e6), Unit("kg/m^2")]
+KinematicViscosity = Annotated[float, Ge(0), Le(1e6), Unit("m^2/s")]
+SurfaceTension = Annotated[float, Ge(0), Le(1e6), Unit("N/m")]
+"""The bounds are far from every film; within them no product of a few settings overflows."""
 
 Position = tuple[Length, Length, Length]
 Extents = tuple[PositiveLength, PositiveLength, PositiveLength]

@@ -63,7 +63,7 @@ class Document:
         name = dotted(location)
         text = f"{place}: {name}: {message}" if name else f"{place}: {message}"
         if mark.text.strip():
-            text += f"\n  {mark.line:>4} | {mark.text.rstrip()}"
+            text += f"\n  {mark.line:>4} | {mark.text.rstrip()[:150]}"
         return f"{text}\n  fix: {remedy[0].lower() + remedy[1:]}" if remedy else text
 
     def merge(self, below: Location, onto: Location = ()) -> Document:
@@ -88,7 +88,13 @@ class Document:
         source = f"--set {assignment}"
         if not equals or "" in keys:
             raise SceneError([f"{source}: expected path.to.key=value\n  fix: --set fluid.viscosity=0.01"])
-        value = parse(f"value: {text}", source=source).data["value"]
+        try:
+            value = parse(f"value: {text}", source=source).data["value"]
+        except SceneError:
+            remedy = "quote lists for the shell, as --set gravity='[0, -1.62, 0]'"
+            raise SceneError([f"{source}: '{text}' is no value of a setting\n  fix: {remedy}"]) from None
+        marks = {place: mark for place, mark in self.marks.items() if place[: len(keys)] != keys}
+        marks[keys] = Mark(source)
         target: Any = self.data
         for depth, key in enumerate(keys):
             here = dotted(keys[: depth + 1])
@@ -103,12 +109,12 @@ class Document:
             key = str(key) if isinstance(target, dict) else key
             if depth == len(keys) - 1:
                 target[key] = value
-            elif isinstance(target, dict) and not isinstance(target.get(key), dict | list):
-                target = target[key] = {}
-            else:
-                target = target[key]
-        self.marks = {place: mark for place, mark in self.marks.items() if place[: len(keys)] != keys}
-        self.marks[keys] = Mark(source)
+                continue
+            if isinstance(target, dict) and target.get(key) is None:
+                target[key] = {}
+                marks[keys[: depth + 1]] = Mark(source)
+            target = target[key]
+        self.marks = marks
 
 
 def dotted(location: Iterable[str | int]) -> str:
@@ -187,7 +193,6 @@ _Loader.add_implicit_resolver(
     re.compile(r"^(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf)|\.(?:nan|NaN))$"),
     list("-+.0123456789"),
 )
-
 
 
 def _number(text: str) -> float:
@@ -285,7 +290,7 @@ def _syntax_remedy(problem: str) -> str:
     for words, remedy in (
         ("\\t", "indent with spaces instead of tabs"),
         ("mapping values are not allowed", "indent keys of one group alike, and put text that holds ': ' in quotes"),
-        ("single document", "keep one scene in a file: remove the line `---`"),
+        ("another document", "keep one scene in a file: remove the line `---`"),
         ("undefined alias", "define it before with &, or put text that begins with * in quotes"),
         (TOO_MUCH, "write the values out in plain lists and groups"),
         ("'<stream end>'", "close the bracket"),

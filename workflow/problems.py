@@ -16,64 +16,126 @@ def explain(error: ValidationError, document: Document, model: type[BaseModel]) 
     """One text a problem: place, field, what is wrong, what would be right."""
     problems: dict[str, None] = {}
     for detail in error.errors(include_url=False):
-        path = _path_in_document(detail["loc"], document.data)
+        path = _path_in_document(detail, document.data)
         message, remedy = _explain(detail, path, model)
         problems[document.problem(path, message, remedy)] = None
     return list(problems)
 
 
-def _path_in_document(loc: tuple[str | int, ...], data: Any) -> Location:
-    """`loc` without the tags that pydantic adds for the chosen member of a union."""
+def _path_in_document(detail: Any, data: Any) -> Location:
+    """Where the problem lies: without the tags that pydantic adds for the chosen member of a union.
+
+    A validator of a whole group tells the key that it means by beginning its message with it.
+    """
     path: list[str | int] = []
-    for index, part in enumerate(loc):
-        if isinstance(data, dict) and part in data:
+    for index, part in enumerate(detail["loc"]):
+        listed = isinstance(data, list) and isinstance(part, int) and part < len(data)
+        if listed or (isinstance(data, dict) and part in data):
             data = data[part]
-        elif isinstance(data, list) and isinstance(part, int) and part < len(data):
-            data = data[part]
-        elif index < len(loc) - 1 or not isinstance(data, dict):
+        elif index < len(detail["loc"]) - 1 or detail["type"] != "missing" or not isinstance(data, dict):
             continue
         path.append(part)
+    if detail["type"] == "value_error" and isinstance(data, dict):
+        path += [key for key in detail["msg"].removeprefix("Value error, ").replace(":", "").split()[:1] if key in data]
     return tuple(path)
 
 
+_BOUNDS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+
+
 def _explain(detail: Any, path: Location, model: type[BaseModel]) -> tuple[str, str]:
+    """What is wrong, and what would be right."""
     kind, context, given = detail["type"], detail.get("ctx", {}), detail["input"]
     group, unit = _context(model, detail["loc"])
-    shown = f", got {given!r}" if isinstance(given, int | float | str | bool) or given is None else ""
-    in_unit = f" [{unit}]" if unit else ""
+    shown, in_unit = _shown(given), f" [{unit}]" if unit else ""
     if kind == "extra_forbidden":
         return f"unknown key '{path[-1]}'", suggestion(str(path[-1]), group)
     if kind == "missing":
-        described = f" [{unit}]" if unit else ""
-        return "missing", f"add `{path[-1]}:`{described}"
-    bounds = {
-        "greater_than": ("greater than", "gt"),
-        "greater_than_equal": ("at least", "ge"),
-        "less_than": ("less than", "lt"),
-        "less_than_equal": ("at most", "le"),
-    }
-    if kind in bounds:
-        words, key = bounds[kind]
+        return _missing(detail, path, in_unit)
+    if kind in _BOUNDS:
+        words, key = _BOUNDS[kind]
         return f"must be {words} {context[key]:g}{in_unit}{shown}", f"give a number {words} {context[key]:g}{in_unit}"
     if kind == "union_tag_invalid":
         tags = [tag.strip().strip("'") for tag in str(context["expected_tags"]).split(",")]
         return f"unknown type '{context['tag']}'", suggestion(str(context["tag"]), tags)
     if kind == "union_tag_not_found":
-        return "missing its type", f"add {context['discriminator']}: with the kind you want"
+        return "missing its type", f"add `{context['discriminator'].strip(chr(39))}:` with the kind you want"
     if kind == "literal_error":
         allowed = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
         return f"must be {context['expected']}{shown}", suggestion(str(given), allowed)
     if kind == "quantity":
-        return detail["msg"], f"give a number in {unit}, or a quantity in a unit of that kind" if unit else ""
-    if kind in {"float_type", "float_parsing", "int_type", "int_parsing", "int_from_float"}:
-        return f"must be a number{in_unit}{shown}", f"give a plain number{in_unit}"
-    if kind in {"tuple_type", "list_type"}:
-        return f"must be a list{shown}", "write a list, as [0, 1, 0]"
-    if kind in {"model_type", "dict_type", "model_attributes_type"}:
-        return f"must be a group of settings{shown}", "indent its keys below it"
-    if kind == "string_pattern_mismatch":
-        return f"not a valid name{shown}", "names start with a letter and hold letters, digits, - and _"
-    return detail["msg"].removeprefix("Value error, ") + (shown if kind != "value_error" else ""), ""
+        example = "" if unit in {"", "1"} else ", or a quantity in a unit of that kind"
+        return detail["msg"], f"give a plain number{'' if unit == '1' else in_unit}{example}"
+    if kind == "too_long" and isinstance(given, list):
+        return _wrong_length(context["max_length"], len(given), in_unit)
+    if kind == "too_short" and isinstance(given, dict):
+        return "is empty", "name at least one thing in it, or remove the whole group"
+    if kind == "string_pattern_mismatch" and "mp4" in context["pattern"]:
+        return f"must end in .mp4{shown}", "give a path such as gallery/film.mp4"
+    simple = _KINDS.get(kind)
+    if simple:
+        message, remedy = simple
+        return f"{message}{in_unit}{shown}", f"{remedy}{in_unit}"
+    return _said(detail["msg"].removeprefix("Value error, "))
+
+
+_NUMBER = ("must be a number", "give a plain number")
+_WHOLE = ("must be a whole number", "give a number without fraction or unit")
+_LIST = ("must be a list", "write a list, as [0, 1, 0]")
+_GROUP = ("must be a group of settings", "indent its keys below it")
+_FLAG = ("must be true or false", "write true or false")
+_TEXT = ("must be text", "put it in quotes")
+_KINDS = {
+    **dict.fromkeys(("float_type", "float_parsing", "finite_number"), _NUMBER),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float", "int_parsing_size"), _WHOLE),
+    **dict.fromkeys(("tuple_type", "list_type"), _LIST),
+    **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _GROUP),
+    **dict.fromkeys(("bool_type", "bool_parsing"), _FLAG),
+    "string_type": _TEXT,
+    "color": ("is not a colour", "write '#3a7bd5', or three numbers from 0 to 1 as [0.2, 0.5, 0.8]"),
+    "string_too_short": ("must not be empty", "give it a text, or remove the key"),
+    "string_pattern_mismatch": ("is not a valid name", "names start with a letter and hold letters, digits, - and _"),
+}
+
+
+def _shown(given: Any) -> str:
+    """What was given, as YAML writes it; nothing for lists and groups."""
+    if given is None:
+        return ", got nothing"
+    if isinstance(given, bool):
+        return f", got {str(given).lower()}"
+    if isinstance(given, int | float | str):
+        text = repr(given)
+        return f", got {text if len(text) <= 80 else text[:77] + '...'}"
+    return ""
+
+
+def _missing(detail: Any, path: Location, in_unit: str) -> tuple[str, str]:
+    last = detail["loc"][-1]
+    given = detail["input"]
+    if isinstance(last, int) and isinstance(given, list | tuple):
+        return _wrong_length(last + 1, len(given), in_unit)
+    return "missing", f"add `{path[-1]}:`{in_unit}"
+
+
+def _wrong_length(due: int, given: int, in_unit: str) -> tuple[str, str]:
+    return f"must be a list of {due} values{in_unit}, got {given}", f"give {due} values"
+
+
+def _said(message: str) -> tuple[str, str]:
+    """A validator's own words: `what is wrong: what to do`, where what is wrong is more than a key."""
+    wrong, colon, remedy = message.partition(": ")
+    if colon and " " in wrong:
+        return wrong, remedy
+    for words, what_to_do in (("exclude each other", "remove one of them"), ("sorted", "put the earliest first")):
+        if words in message:
+            return message, what_to_do
+    return message, "change it as said; docs/scene-reference.md describes every setting"
 
 
 def _context(model: type[BaseModel], loc: tuple[str | int, ...]) -> tuple[list[str], str]:

@@ -32,11 +32,12 @@ class SceneFile(SimulationSpec):
     """A scene: what is simulated, how its surface is found, how it is rendered."""
 
     description: str = ""
+    """What is seen, in a sentence."""
     duration: Annotated[PositiveDuration, Le(3600)]
     """Simulated time [s]."""
     quality: Quality = "standard"
     """The preset used when none is asked for."""
-    presets: dict[Quality, dict[str, Any]] = {}
+    presets: Annotated[dict[Quality, dict[str, Any]], Field(default_factory=dict)]
     """Settings that override the scene's own, by preset."""
     surface: SurfaceSpec = Field(default_factory=SurfaceSpec)
     render: RenderSpec = Field(default_factory=RenderSpec)
@@ -87,6 +88,8 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
         )
     document = _with_defaults(document, str(quality)).merge(("presets", str(quality)))
     for override in overrides:
+        if override.partition("=")[0].partition(".")[0].strip() in {"quality", "presets"}:
+            raise SceneError([f"--set {override}: presets are chosen before\n  fix: use --quality {quality}"])
         document.set(override)
     scene = _compose(document, path, str(quality))
     try:
@@ -129,9 +132,9 @@ def _compose(document: Document, path: Path, quality: str) -> Scene:
     except ValidationError as error:
         raise SceneError(explain(error, document, SceneFile)) from None
     frames = whole.duration * whole.fps
-    if not math.isclose(frames, round(frames), abs_tol=1e-6) or round(frames) < 1:
-        message = f"{whole.duration} s at {whole.fps} frames a second are {frames:g} frames"
-        remedy = f"use a whole number of frames, for example {max(1, math.ceil(frames)) / whole.fps:g} s"
+    if not _whole(frames):
+        message = f"{whole.duration:g} s at {whole.fps:g} frames a second are {frames:.9g} frames"
+        remedy = f"use a whole number of frames, for example {_seconds(max(1, math.ceil(frames)), whole.fps)} s"
         raise SceneError([document.problem(("duration",), message, remedy)])
     simulation = SimulationSpec(**{name: getattr(whole, name) for name in SimulationSpec.model_fields})
     return Scene(
@@ -148,6 +151,16 @@ def _compose(document: Document, path: Path, quality: str) -> Scene:
     )
 
 
+def _whole(frames: float) -> bool:
+    return round(frames) >= 1 and abs(frames - round(frames)) <= 1e-6
+
+
+def _seconds(frames: int, fps: float) -> str:
+    """The shortest decimal number of seconds that has this many frames."""
+    texts = (f"{frames / fps:.{digits}g}" for digits in range(1, 18))
+    return next((text for text in texts if round(float(text) * fps) == frames and _whole(float(text) * fps)), "")
+
+
 def _check_across_stages(scene: Scene) -> None:
     simulation = scene.simulation
     seen: dict[str, tuple[str | int, ...]] = {}
@@ -155,7 +168,8 @@ def _check_across_stages(scene: Scene) -> None:
         name = str(location[-1])
         if name in seen:
             first = ".".join(map(str, seen[name]))
-            raise Refused(f"there is already a body named '{name}', {first}", location=location, remedy="rename one")
+            message = f"there is already a body named '{name}', {first}"
+            raise Refused(message, location=location, remedy="give each body, sheet and container a name of its own")
         seen[name] = location
     for name in scene.render.named_bodies():
         if name not in seen:
@@ -167,21 +181,23 @@ def _check_across_stages(scene: Scene) -> None:
             wanted = getattr(probe, target)
             location = ("probes", name, target)
             raise Refused(f"there is no body named '{wanted}'", location=location, remedy=suggestion(wanted, seen))
+    present = [name for name in seen if not any(name in event.add.names() for event in simulation.events)]
     for index, event in enumerate(simulation.events):
+        present += event.add.names()
         for name in event.remove:
-            if name not in seen:
-                location = ("events", index, "remove")
-                raise Refused(f"there is no body named '{name}'", location=location, remedy=suggestion(name, seen))
+            if name not in present:
+                when = "at that time " if name in seen else ""
+                message = f"{when}there is no body named '{name}'"
+                raise Refused(message, location=("events", index, "remove"), remedy=suggestion(name, present))
+            present.remove(name)
 
 
 def _check_writes(scene: Scene, root: Path) -> None:
-    target = scene.film.copy_to
-    if target is not None and not (root / target).resolve().is_relative_to(root.resolve()):
-        raise Refused(
-            f"a scene may not write outside the project's folder: {target}",
-            location=("film", "copy_to"),
-            remedy="give a path below the project's folder, such as films/bunny.mp4",
-        )
+    try:
+        scene.film.copy_path(root)
+    except (OSError, ValueError):
+        remedy = "give a path below the project's folder, such as gallery/film.mp4"
+        raise Refused("this is not a path", location=("film", "copy_to"), remedy=remedy) from None
 
 
 def _find_assets(scene: Scene) -> dict[str, str]:

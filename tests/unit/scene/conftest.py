@@ -1,0 +1,103 @@
+"""A scene to make mistakes in, and the command that finds them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+SCENE = """\
+duration: 0.5
+fps: 12
+quality: draft
+containers:
+  tank: {type: box, size: [0.8, 1, 0.8]}
+fluid:
+  particle_radius: 25 mm
+  bodies:
+    drop:
+      shape: {type: box, size: [0.3, 0.3, 0.3]}
+      position: [0, 0.62, 0]
+rigid:
+  bodies:
+    ball:
+      shape: {type: sphere, radius: 0.18}
+      position: [0, 0.2, 0]
+"""
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TIDEMILL_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+class Bench:
+    """Writes scene files into a folder of its own and checks them."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]):
+        self.folder = folder
+        self.path = folder / "bad.yaml"
+        self._capsys = capsys
+
+    def write(self, text: str | bytes) -> Path:
+        self.path.write_bytes(text.encode() if isinstance(text, str) else text)
+        return self.path
+
+    def check(self, *options: str, path: Path | None = None) -> tuple[int, str]:
+        """Exit status of `python -m sim check`, and all that it printed."""
+        from sim.__main__ import main
+
+        try:
+            status = main(["check", str(path or self.path), *options])
+        except SystemExit as error:
+            status = error.code
+        printed = self._capsys.readouterr()
+        return status, printed.out + printed.err
+
+    def accepts(self, text: str, *options: str) -> str:
+        self.write(text)
+        status, said = self.check("--quality", "draft", *options)
+        assert status == 0, said
+        return said
+
+    def refuses(self, text: str | bytes, *words: str, at: str = "", options: tuple[str, ...] = ()) -> str:
+        """The refusal; it names the file, the line that holds `at`, the words and a remedy."""
+        self.write(text)
+        status, said = self.check("--quality", "draft", *options)
+        assert status == 2, said
+        assert "Traceback" not in said and "Warning" not in said
+        assert "\n  fix: " in said
+        for word in words:
+            assert word in said, said
+        if at:
+            lines = text.decode("utf-8-sig").splitlines() if isinstance(text, bytes) else text.split("\n")
+            [number] = [index for index, line in enumerate(lines, 1) if at in line]
+            assert f"{self.path}:{number}: " in said, said
+        return said
+
+
+@pytest.fixture
+def bench(tmp_path: Path, capsys, monkeypatch) -> Bench:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scenes").mkdir()
+    return Bench(tmp_path / "scenes", capsys)
+
+
+@pytest.fixture
+def scene() -> Callable[..., str]:
+    """The text of a valid scene, with `old` replaced by `new`, and lines `more` at its end."""
+
+    def build(old: str = "", new: str = "", more: str = "") -> str:
+        assert old in SCENE
+        return (SCENE.replace(old, new, 1) if old else SCENE) + (f"{more}\n" if more else "")
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def project() -> Path:
+    return Path(os.path.abspath(__file__)).parents[3]
