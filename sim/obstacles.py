@@ -14,6 +14,7 @@ from sim.geometry.spec import Placement, Plane
 from sim.settings import Refused
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
+
 @dataclass(frozen=True)
 class Obstacle:
     """A body with a surface mesh. `hollow`: its inside holds the fluid, as a mesh container's does."""

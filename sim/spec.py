@@ -16,7 +16,7 @@ from sim.fluid.spec import Fluid, FluidBody
 from sim.geometry.spec import MeshFile, Placement
 from sim.rigid.spec import Rigid, RigidBody
 from sim.settings import Name, Settings
-from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
+from sim.units import Acceleration, Dimensionless, Extents, Frequency, Position, PositiveDuration
 
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
@@ -117,9 +117,7 @@ class VertexPosition(Settings):
     rate: Frequency | None = None
 
 
-Probe = Annotated[
-    WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition, Field(discriminator="type")
-]
+Probe = Annotated[WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition, Field(discriminator="type")]
 
 
 class Addition(Settings):

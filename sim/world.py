@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
 
+
 @dataclass
 class Counts:
     """What was added, removed or repeated, for the summary."""

@@ -64,7 +64,7 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
 
 
 def sample_weight(spacing: float, h: float) -> float:
-    """Factor on the volume of boundary samples `SAMPLE_DEPTH` below the surface that makes up for the lack of density."""
+    """Factor on the volume of boundary samples, `SAMPLE_DEPTH` below the surface, that makes the density right."""
     reach = int(np.ceil(h / spacing))
     axis = np.arange(-reach, reach + 1) * spacing
     x, z = np.meshgrid(axis, axis)

@@ -92,7 +92,7 @@ def pour(
         raise Refused(
             f"the scene has more than fluid.max_particles = {fluid.max_particles:,} particles",
             location=("fluid", "max_particles"),
-            remedy="use a larger particle_radius, or raise the limit",
+            remedy=f"use a particle_radius above {_radius_for(state.count + count, fluid):.3g} m, or raise the limit",
         )
     first = int(state.tag[:, 0].max()) + 1 if state.count else 0
     fresh = FluidState(
@@ -102,6 +102,11 @@ def pour(
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
     )
     return state.joined(fresh), len(free) - count
+
+
+def _radius_for(count: int, fluid: Fluid) -> float:
+    """The particle radius [m] at which as much fluid needs no more particles than allowed."""
+    return fluid.particle_radius * (count / fluid.max_particles) ** (1 / 3)
 
 
 class FluidPart:

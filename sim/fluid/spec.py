@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
+
 from sim.geometry.spec import ClosedShape, Placement
 from sim.settings import Name, Settings
 from sim.units import (

@@ -12,6 +12,7 @@ from sim.arrays import Vec4Array, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
+
 class Walls:
     """Planes n.x = offset with the solid below, as the solver sees them.
 

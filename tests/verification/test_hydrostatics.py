@@ -68,8 +68,8 @@ def test_compression_follows_the_equation_of_state(pool):
     densities = []
     for frame in range(6, 13):
         points = read_frame(pool, frame)
-        height = positions(points)[:, 1]
-        inside = (height > SPACING) & (height < 3 * SPACING) & (np.abs(positions(points)[:, [0, 2]]).max(axis=1) < SIDE / 4)
+        x = positions(points)
+        inside = (x[:, 1] > SPACING) & (x[:, 1] < 3 * SPACING) & (np.abs(x[:, [0, 2]]).max(axis=1) < SIDE / 4)
         densities.append(points["density"][inside].mean() / RHO - 1)
     expected = (1 + 7 * G * (H - 2 * SPACING) / c2) ** (1 / 7) - 1
     assert np.mean(densities) == pytest.approx(expected, rel=0.3)

@@ -38,8 +38,9 @@ def listed(ti, points: np.ndarray, others: np.ndarray | None, h: float) -> list[
 
 CLOUDS = {
     "a dense ball": lambda rng: rng.normal(size=(400, 3)) * 0.12,
-    "far apart, over many periods of the hash": lambda rng: rng.uniform(-50, 50, size=(60, 3)).repeat(5, axis=0)
-    + rng.uniform(-0.06, 0.06, size=(300, 3)),
+    "far apart, over many periods of the hash": lambda rng: (
+        rng.uniform(-50, 50, size=(60, 3)).repeat(5, axis=0) + rng.uniform(-0.06, 0.06, size=(300, 3))
+    ),
     "negative coordinates and a line": lambda rng: np.column_stack((np.linspace(-3, 0, 200), np.full((200, 2), -1.0))),
     "one particle": lambda rng: np.array([[0.3, -0.2, 0.1]]),
 }
