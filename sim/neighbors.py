@@ -53,10 +53,17 @@ class HashGrid:
 
     def sort(self, position: ti.Ndarray) -> ti.Ndarray:
         """Find the order of particles by cell; stable, so that the same positions give the same order."""
-        _count(self.count, 1.0 / self.cell_size, self.period, position, self._cell, self.last)
-        _scan(self.last, self.first, self._chunks)
-        _place(self.count, self._cell, self.last, self.order)
-        _stabilise(self.first, self.last, self.order)
+        _sort(
+            self.count,
+            1.0 / self.cell_size,
+            self.period,
+            position,
+            self._cell,
+            self._chunks,
+            self.first,
+            self.last,
+            self.order,
+        )
         return self.order
 
     @property
@@ -134,25 +141,32 @@ def cell_at(point, inverse_cell_size: ti.f32):
 
 
 @ti.kernel
-def _count(
-    count: ti.i32, inverse_cell_size: ti.f32, period: ti.i32, position: Vec4Array, cell: IntArray, total: IntArray
+def _sort(
+    count: ti.i32,
+    inverse_cell_size: ti.f32,
+    period: ti.i32,
+    position: Vec4Array,
+    cell: IntArray,
+    chunks: IntArray,
+    first: IntArray,
+    last: IntArray,
+    order: IntArray,
 ):
-    for c in range(total.shape[0]):
-        total[c] = 0
+    """Counting sort by cell; one kernel, since its launch costs more than most of its loops.
+
+    `last` counts the particles of a cell, then is where its next one goes, and at last its end.
+    """
+    for c in range(last.shape[0]):
+        last[c] = 0
     for i in range(count):
         at = cell_at(position[i].xyz, inverse_cell_size)
         c = row_of(at.y, at.z, period) + (at.x & (period - 1))
         cell[i] = c
-        ti.atomic_add(total[c], 1)
-
-
-@ti.kernel
-def _scan(total: IntArray, first: IntArray, chunks: IntArray):
-    """Exclusive prefix sum of `total` into `first`, and back into `total` for placing."""
+        ti.atomic_add(last[c], 1)
     for k in range(chunks.shape[0]):
         s = 0
-        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, total.shape[0])):
-            s += total[c]
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, last.shape[0])):
+            s += last[c]
         chunks[k] = s
     ti.loop_config(serialize=True)
     for _ in range(1):
@@ -163,22 +177,14 @@ def _scan(total: IntArray, first: IntArray, chunks: IntArray):
             s += here
     for k in range(chunks.shape[0]):
         s = chunks[k]
-        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, total.shape[0])):
-            here = total[c]
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, last.shape[0])):
+            here = last[c]
             first[c] = s
-            total[c] = s
+            last[c] = s
             s += here
-
-
-@ti.kernel
-def _place(count: ti.i32, cell: IntArray, last: IntArray, order: IntArray):
     for i in range(count):
         order[ti.atomic_add(last[cell[i]], 1)] = i
-
-
-@ti.kernel
-def _stabilise(first: IntArray, last: IntArray, order: IntArray):
-    """Sort each cell by the former index: atomics placed its particles in no particular order."""
+    # Atomics place the particles of a cell in no particular order: sort them by their former index.
     for c in range(first.shape[0]):
         for k in range(first[c] + 1, last[c]):
             value = order[k]
