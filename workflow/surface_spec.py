@@ -69,8 +69,8 @@ class ReconstructSpec(Settings):
 
 
 SURFACE_PRESETS: dict[str, dict[str, Any]] = {
-    "draft": {"cube_size": 1.0, "smoothing": {"iterations": 15}, "normals": {"smoothing_iterations": 5}},
-    "standard": {"cube_size": 0.75},
+    "draft": {"cube_size": 1.25, "smoothing": {"iterations": 15}, "normals": {"smoothing_iterations": 5}},
+    "standard": {"cube_size": 1.0},
     "final": {"cube_size": 0.5},
 }
 """Values that each quality preset changes, in the form of the scene's `surface:` section."""
