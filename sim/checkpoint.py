@@ -43,6 +43,11 @@ class Checkpoint:
     origin: np.ndarray
     fluid: FluidState | None
 
+    @property
+    def bytes(self) -> int:
+        """Size of the arrays, which is that of the file but for its head."""
+        return sum(values.nbytes for values in vars(self.fluid).values()) if self.fluid is not None else 0
+
     def save(self, path: Path, spec: SimulationSpec) -> None:
         meta = {
             "format": FORMAT,
@@ -60,16 +65,7 @@ class Checkpoint:
     @classmethod
     def load(cls, path: Path, spec: SimulationSpec) -> Checkpoint:
         """Raises Refused for a file that is no state, or one of a scene with other particles."""
-        try:
-            with np.load(path, allow_pickle=False) as stored:
-                arrays = {name: stored[name] for name in stored.files}
-            meta = json.loads(str(arrays["meta"]))
-        except FileNotFoundError:
-            raise Refused(f"{path}: no such state", remedy="give a state_*.npz that a run has written") from None
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-            raise Refused(f"{path} is not a state of a run ({error})", remedy="give an undamaged state_*.npz") from None
-        if meta.get("format") != FORMAT:
-            raise Refused(f"{path} has format {meta.get('format')}, this version reads {FORMAT}", remedy="run anew")
+        meta, arrays = _read(path)
         if meta["layout"] != _layout(spec):
             raise Refused(
                 f"{path} was made with {meta['layout']}, the scene has {_layout(spec)}",
@@ -79,7 +75,10 @@ class Checkpoint:
         if spec.fluid is not None:
             from sim.fluid.part import FluidState
 
-            fluid = FluidState(**{name: arrays[f"fluid.{name}"] for name in vars(FluidState())})
+            kinds = vars(FluidState())
+            fluid = FluidState(**{name: _particles(path, arrays, name, kind) for name, kind in kinds.items()})
+            if len({len(values) for values in vars(fluid).values()}) > 1:
+                raise _damaged(path, "its arrays differ in length")
         return cls(Clock(**meta["clock"]), meta["counts"], meta["probe_times"], arrays["origin"], fluid)
 
 
@@ -90,13 +89,41 @@ def state_name(frame: int) -> str:
 
 def frame_of(path: Path) -> int:
     """The frame after which a state was saved; raises Refused for a file that is no state."""
+    return _read(path)[0]["clock"]["frame"]
+
+
+def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """The contents of a state file; raises Refused for anything else."""
     try:
+        with zipfile.ZipFile(path) as archive:
+            broken = archive.testzip()
+        if broken:
+            raise _damaged(path, f"{broken} is broken")
         with np.load(path, allow_pickle=False) as stored:
-            return int(json.loads(str(stored["meta"]))["clock"]["frame"])
+            arrays = {name: stored[name] for name in stored.files}
+        meta = json.loads(str(arrays["meta"]))
+        found = meta["format"]
     except FileNotFoundError:
         raise Refused(f"{path}: no such state", remedy="give a state_*.npz that a run has written") from None
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        raise Refused(f"{path} is not a state of a run ({error})", remedy="give an undamaged state_*.npz") from None
+    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, EOFError) as error:
+        raise _damaged(path, str(error)) from None
+    if found != FORMAT:
+        raise Refused(f"{path} has format {found}, this version reads {FORMAT}", remedy="run anew")
+    return meta, arrays
+
+
+def _particles(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarray) -> np.ndarray:
+    """One array of the particles, of the kind of `like`; raises Refused where it is not."""
+    values = arrays.get(f"fluid.{name}")
+    if values is None or values.dtype != like.dtype or values.ndim != 2 or values.shape[1] != like.shape[1]:
+        raise _damaged(path, f"fluid.{name} is missing or of another kind")
+    if not np.isfinite(values).all():
+        raise _damaged(path, f"fluid.{name} has values that are not finite")
+    return values
+
+
+def _damaged(path: Path, reason: str) -> Refused:
+    return Refused(f"{path} is not a state of a run ({reason})", remedy="give an undamaged state_*.npz")
 
 
 def _layout(spec: SimulationSpec) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, get_args
 
 from pydantic import ValidationError
@@ -12,12 +12,36 @@ from pydantic import ValidationError
 from sim.settings import Refused, Settings
 from sim.spec import Event, SimulationSpec
 
+TIME_TOLERANCE = 1e-12
+"""Times closer than this [s] are the same."""
+
 
 def spec_at(spec: SimulationSpec, time: float) -> SimulationSpec:
     """The specification in force at `time` [s], after the events up to it; it has no events itself."""
+    return _after(spec, lambda event: event.at < time + TIME_TOLERANCE)
+
+
+def spec_before(spec: SimulationSpec, time: float) -> SimulationSpec:
+    """The specification in force just before `time` [s], when the events at this time are still to come."""
+    return _after(spec, lambda event: event.at < time - TIME_TOLERANCE)
+
+
+def events_between(spec: SimulationSpec, start: float, end: float) -> list[tuple[float, list[Event]]]:
+    """The times [s] from `start` up to, without, `end` at which something happens, and what."""
+    found: list[tuple[float, list[Event]]] = []
+    for event in spec.events:
+        if start - TIME_TOLERANCE <= event.at < end - TIME_TOLERANCE:
+            if found and event.at < found[-1][0] + TIME_TOLERANCE:
+                found[-1][1].append(event)
+            else:
+                found.append((event.at, [event]))
+    return found
+
+
+def _after(spec: SimulationSpec, happened: Callable[[Event], bool]) -> SimulationSpec:
     current = spec.model_copy(update={"events": ()})
     for index, event in enumerate(spec.events):
-        if event.at <= time:
+        if happened(event):
             current = apply(current, event, index)
     return current
 

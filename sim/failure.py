@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from sim.checkpoint import state_name
 
 if TYPE_CHECKING:
-    from sim.checkpoint import Checkpoint, Clock
+    from sim.checkpoint import Clock
     from sim.fluid.system import Measure
     from sim.stepping import Run
     from sim.world import World
@@ -19,6 +19,8 @@ MAX_RETRIES = 4
 """Each repeats the frame with half the step of the one before."""
 DENSITY_LIMIT = 1.3
 """Densities above this many rest densities mean that particles were pushed into one another."""
+MOST_STEPS = 50_000
+"""A frame that would need more steps than this is refused, or stops the run: it would seem to hang."""
 NAMED = 10
 """At most so many particles are named in failure.json."""
 
@@ -29,24 +31,34 @@ class Fault:
 
     what: str
     remedy: str
+    repeatable: bool = True
+    """Whether a smaller step may avoid it."""
 
 
 class Stopped(Exception):
-    """The run can not go on; the process exits with 3, keeps `good` and writes `report` to failure.json."""
+    """The run can not go on; the process exits with 3, keeps the last good state and writes `report`."""
 
-    def __init__(self, good: Checkpoint, report: dict[str, Any]):
+    def __init__(self, report: dict[str, Any]):
         super().__init__(report["detected"])
-        self.good = good
         self.report = report
+
+
+class Interrupted(Exception):
+    """The run was asked to stop, and did so between two steps."""
 
 
 def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None:
     """The first thing wrong after a step, from the counts that one pass over the particles left."""
-    if measure is None or world.fluid is None:
+    if measure is None or not world.fluid.count:
         return None
+    fault = _particle_fault(world, measure) or _fixed_step_fault(world, measure, dt)
+    return replace(fault, repeatable=False) if fault and world.spec.step.fixed is not None else fault
+
+
+def _particle_fault(world: World, measure: Measure) -> Fault | None:
     smaller = "use a smaller step (step.cfl, or step.maximum), or a higher speed_of_sound"
-    if measure.not_finite:
-        return Fault(f"{measure.not_finite} particles have values that are not finite", smaller)
+    if measure.not_finite or not _finite(measure):
+        return Fault(f"{measure.not_finite or 'some'} particles have values that are not finite", smaller)
     if measure.density_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
         ratio = measure.density_max / world.spec.fluid.rest_density
         return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
@@ -58,6 +70,16 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
         )
     if measure.beyond_walls:
         return Fault(f"{measure.beyond_walls} particles went through a wall", smaller)
+    return None
+
+
+def _finite(measure: Measure) -> bool:
+    """Sums and extremes: an optimised comparison on the device may miss what is not a number."""
+    numbers = (measure.v_max, measure.a_max, measure.kinetic_energy, measure.density_max, measure.compression_sum)
+    return bool(np.isfinite([*numbers, *measure.momentum, *measure.position_sum]).all())
+
+
+def _fixed_step_fault(world: World, measure: Measure, dt: float) -> Fault | None:
     fixed = world.spec.step.fixed
     limit = world.step_limit(measure)
     if fixed is not None and dt >= fixed > FIXED_MARGIN * limit:
@@ -72,16 +94,35 @@ FIXED_MARGIN = 2.5
 """A fixed step may pass the limit of an instant's peak force, but not the true limit of the integrator."""
 
 
-def report(run: Run, fault: Fault, good: Clock, retries: int) -> dict[str, Any]:
-    """Contents of failure.json: what, when, which particles, the last good state, and what to change."""
+def short_step(world: World, measure: Measure | None, scale: float, fps: float) -> Fault | None:
+    """The fault of a step limit times `scale` under the shortest step that a frame is worth."""
+    if world.spec.step.fixed is not None:
+        return None
+    limit, shortest = world.step_limit(measure) * scale, 1.0 / (fps * MOST_STEPS)
+    if limit >= shortest:
+        return None
+    term, remedy = world.limiting_term(measure)
+    return Fault(
+        f"{term} allows steps of {limit:.3g} s only, so that a frame would need {1 / (fps * limit):,.0f} of them "
+        f"(at most {MOST_STEPS:,})",
+        f"{remedy}, or more frames per second",
+        repeatable=False,
+    )
+
+
+def report(run: Run, fault: Fault, good: Clock | None, retries: int) -> dict[str, Any]:
+    """Contents of failure.json: what, when, which particles, the last good state, and what to change.
+
+    `good` is None where not even the first frame could be written.
+    """
     return {
         "detected": fault.what,
         "step": run.clock.step,
         "time": run.clock.time,
         "retries": retries,
         "particles": _suspects(run.world) if run.world.fluid else [],
-        "last_good_frame": good.frame,
-        "last_good_state": state_name(good.frame),
+        "last_good_frame": good.frame if good else None,
+        "last_good_state": state_name(good.frame) if good else None,
         "change": fault.remedy,
     }
 
@@ -91,14 +132,16 @@ def _suspects(world: World) -> list[dict[str, Any]]:
     state = world.fluid.state()
     speed = np.linalg.norm(state.velocity[:, :3], axis=1)
     density = state.velocity[:, 3] / world.spec.fluid.rest_density
-    badness = np.nan_to_num(np.maximum(density, speed / world.fluid.speed_of_sound), nan=np.inf, posinf=np.inf)
+    positions = state.position[:, :3].astype(np.float64) + world.origin
+    depth = np.max([wall.offset - positions @ wall.normal for wall in world.obstacles.walls], axis=0, initial=0.0)
+    limits = (density / DENSITY_LIMIT, speed / world.fluid.speed_of_sound, 2 * depth / world.fluid.system.h)
+    badness = np.nan_to_num(np.maximum.reduce(limits), nan=np.inf, posinf=np.inf)
     suspects = []
     for i in np.argsort(-badness, kind="stable")[:NAMED]:
-        position = state.position[i, :3].astype(np.float64) + world.origin
         suspects.append(
             {
                 "id": int(state.tag[i, 0]),
-                "position": [_number(value) for value in position],
+                "position": [_number(value) for value in positions[i]],
                 "speed": _number(speed[i]),
                 "density_ratio": _number(density[i]),
             }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import io
 import json
 import os
 from collections.abc import Iterable, Iterator
@@ -12,9 +13,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-FLUID_POINT = np.dtype(
-    [(name, "<f4") for name in ("x", "y", "z", "vx", "vy", "vz", "density")] + [("id", "<i4")]
-)
+FLUID_POINT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "vx", "vy", "vz", "density")] + [("id", "<i4")])
 """A particle of `fluid_00042.ply`; world coordinates, SI units."""
 
 
@@ -67,15 +66,19 @@ def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
 
 
 class Table:
-    """A CSV file that grows by whole frames; rows are kept back until `flush`."""
+    """A CSV file that grows by whole frames; rows are kept back until `flush`.
 
-    def __init__(self, path: Path, columns: Iterable[str]):
+    `until`: go on after the rows of an earlier run up to this time [s], if there are any.
+    """
+
+    def __init__(self, path: Path, columns: Iterable[str], until: float | None = None):
         self.columns = list(columns)
         self._rows: list[list[Any]] = []
-        self._stream = open(path, "w", newline="", encoding="utf-8")
-        self._writer = csv.writer(self._stream, lineterminator="\n")
-        self._writer.writerow(self.columns)
-        self._stream.flush()
+        kept = [] if until is None else _rows_until(path, self.columns, until)
+        with whole(path) as stream:
+            stream.write(_csv([self.columns, *kept]))
+        self._stream = path.open("r+b", buffering=0)
+        self.mark()
 
     def add(self, *values: Any) -> None:
         self._rows.append([_short(value) for value in values])
@@ -84,13 +87,62 @@ class Table:
         """Forget the rows since the last flush: their steps are to be repeated."""
         self._rows.clear()
 
+    def mark(self) -> None:
+        """Remember the present end, for `undo`."""
+        self._size = self._stream.seek(0, os.SEEK_END)
+
     def flush(self) -> None:
-        self._writer.writerows(self._rows)
+        left = memoryview(_csv(self._rows))
+        while left:
+            left = left[self._stream.write(left) :]
         self._rows.clear()
-        self._stream.flush()
+
+    def undo(self) -> None:
+        """Take back what was flushed since the last mark, whole or not."""
+        self._stream.truncate(self._size)
+        self._stream.seek(self._size)
 
     def close(self) -> None:
         self._stream.close()
+
+
+class Reserve:
+    """Room on the disk for what has to be written even when the disk is full."""
+
+    def __init__(self, folder: Path):
+        self._path = folder / ".reserve"
+        self._size = 0
+
+    def hold(self, size: int) -> None:
+        """Keep `size` bytes free; raises OSError where there are not so many."""
+        if size > self._size:
+            with open(self._path, "wb", buffering=0) as stream:
+                left = memoryview(bytes(size))
+                while left:
+                    left = left[stream.write(left) :]
+            self._size = size
+
+    def release(self) -> None:
+        self._path.unlink(missing_ok=True)
+        self._size = 0
+
+
+def _rows_until(path: Path, columns: list[str], until: float) -> list[list[str]]:
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))
+        if not rows or rows[0] != columns:
+            return []
+        column, last = columns.index("time"), float(_short(until))
+        return [row for row in rows[1:] if float(row[column]) <= last]
+    except (OSError, ValueError, IndexError):
+        return []
+
+
+def _csv(rows: Iterable[Iterable[Any]]) -> bytes:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode()
 
 
 def _short(value: Any) -> Any:

@@ -28,15 +28,18 @@ FLUID_COLUMNS = (
 
 
 class Output:
-    """The files of a run in one folder; rows and frames of a step that is repeated are dropped."""
+    """The files of a run in one folder; rows and frames of a step that is repeated are dropped.
 
-    def __init__(self, folder: Path, spec: SimulationSpec):
+    `until`: the tables go on after what an earlier run left in the folder up to this time [s].
+    """
+
+    def __init__(self, folder: Path, spec: SimulationSpec, until: float | None = None):
         folder.mkdir(parents=True, exist_ok=True)
         self.folder = folder
         self.has_fluid = spec.fluid is not None
-        self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS)
-        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + (FLUID_COLUMNS if self.has_fluid else ()))
-        self.probes = Table(folder / "probes.csv", PROBE_COLUMNS) if spec.probes else None
+        self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS, until)
+        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + (FLUID_COLUMNS if self.has_fluid else ()), until)
+        self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
         self._meshes: set[str] = set()
 
     def step(self, step: int, time: float, dt: float, wall: float, world: World, measure: Measure | None) -> None:
@@ -55,9 +58,24 @@ class Output:
         self.steps.add(*row)
 
     def frame(self, frame: int, time: float, world: World) -> None:
-        """Particles and bodies of one frame; the tables' rows up to it become final."""
+        """Particles and bodies of one frame; the tables' rows up to it become final.
+
+        Where something can not be written, nothing of the frame stays; raises OSError.
+        """
+        particles = self.folder / f"fluid_{frame:05d}.ply"
+        for table in self._tables():
+            table.mark()
+        try:
+            self._frame(particles, frame, time, world)
+        except OSError:
+            for table in self._tables():
+                table.undo()
+            particles.unlink(missing_ok=True)
+            raise
+
+    def _frame(self, particles: Path, frame: int, time: float, world: World) -> None:
         if world.fluid is not None:
-            write_points(self.folder / f"fluid_{frame:05d}.ply", fluid_points(world))
+            write_points(particles, fluid_points(world))
         for item in world.obstacles.placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
             if not item.hollow:

@@ -77,7 +77,7 @@ class FluidView:
         from sim.fluid.kernel import cubic_host
 
         volume = self.mass / self.spec.rest_density
-        heights = np.arange(near[:, 1].max() + self.h, near[:, 1].min() - self.h, -self.h / 16)
+        heights = _heights(near[:, 1], self.h)
         offsets = np.hypot(near[:, 0] - x, near[:, 2] - z)
         filled = np.array([cubic_host(np.hypot(offsets, near[:, 1] - y), self.h).sum() for y in heights]) * volume
         above = np.flatnonzero(filled >= 0.5)
@@ -104,7 +104,7 @@ class FluidView:
         return float(along.min() - radius) if axis.startswith("-") else float(along.max() + radius)
 
     def volume(self) -> float:
-        """Sum of m / rho; a density below rest, as at the free surface, is the kernel's lack and not the fluid's [m^3]."""
+        """Sum of m / rho [m^3]; a density below rest, as at the free surface, is the kernel's lack, not the fluid's."""
         return float((self.mass / np.maximum(self.density, self.spec.rest_density)).sum())
 
     def force_on(self, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -115,3 +115,10 @@ class FluidView:
             if item.name == body:
                 return reaction(self.world.fluid.system, index, item.centre - self.world.origin)
         return np.zeros(3), np.zeros(3)
+
+
+def _heights(particles: np.ndarray, h: float) -> np.ndarray:
+    """Heights [m] from the top down, h / 16 apart, without those that no particle reaches: drops may be far apart."""
+    step, top = h / 16, particles.max() + h
+    middle = np.unique(((top - particles) // step).astype(np.int64))
+    return top - step * np.unique(middle[:, None] + np.arange(-17, 19))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from typing import TYPE_CHECKING
@@ -33,14 +34,20 @@ class Progress:
         elif not self.quiet:
             elapsed = time.perf_counter() - self.began
             left = elapsed / self.done * (self.total - self.done)
-            print(f"frame {run.clock.frame}: {state}; {self.done}/{self.total}, {left:.0f} s left", file=sys.stderr)
+            _print(f"frame {run.clock.frame}: {state}; {self.done}/{self.total}, {left:.0f} s left")
 
     def say(self, message: str) -> None:
         if self.bar is not None:
             self.bar.write(message, file=sys.stderr)
         else:
-            print(message, file=sys.stderr)
+            _print(message)
 
     def close(self) -> None:
         if self.bar is not None:
             self.bar.close()
+
+
+def _print(message: str) -> None:
+    """A run goes on when nobody listens any more."""
+    with contextlib.suppress(BrokenPipeError):
+        print(message, file=sys.stderr, flush=True)

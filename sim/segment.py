@@ -1,24 +1,28 @@
 """Simulate a range of frames of one specification: the stage that the workflow calls.
 
 Exit status: 0 done, 2 refused, 3 stopped by the failure policy (see failure.json in the output
-folder; the last good state is kept there).
+folder), 130 interrupted; the last good state is kept in the output folder.
 """
 
 from __future__ import annotations
 
 import argparse
-import errno
+import contextlib
 import json
 import signal
 import sys
+import threading
 import time
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from sim.checkpoint import Checkpoint, state_name
-from sim.failure import Stopped
-from sim.files import write_json
+from sim.failure import Fault, Interrupted, Stopped, report
+from sim.files import Reserve, write_json
 from sim.output import Output
 from sim.progress import Progress
 from sim.settings import Refused
@@ -26,6 +30,9 @@ from sim.spec import SimulationSpec
 from sim.stepping import Run
 
 DONE, REFUSED, STOPPED, INTERRUPTED = 0, 2, 3, 130
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+ROOM = 1 << 16
+"""Bytes for failure.json, summary.json and the head of a state."""
 
 
 def simulate(
@@ -50,6 +57,8 @@ def simulate(
             f"frame {first} can not be the first without the state after frame {first - 1}",
             remedy=f"give --resume {state_name(first - 1)}, or start at frame 0",
         )
+    if threads is not None and threads < 1:
+        raise Refused(f"{threads} threads can not compute", remedy="give at least one, or leave --threads out")
     began = time.perf_counter()
     spec = spec.before(last / spec.fps)
     checkpoint = Checkpoint.load(state, spec) if state else None
@@ -58,56 +67,119 @@ def simulate(
             f"{state} is the state after frame {checkpoint.clock.frame}, and frame {first} was to come next",
             remedy=f"use --frames {checkpoint.clock.frame + 1}:{max(last, checkpoint.clock.frame + 1)}",
         )
-    _make_folder(out)
+    _prepare(out)
     progress = Progress(first, last, quiet=quiet)
     run = Run(spec, folder, threads=threads, arch=arch, warn=progress.say)
     run.resume(checkpoint) if checkpoint else run.start()
     start_time = run.clock.time
-    output = Output(out, spec)
-    status, good, failure = DONE, checkpoint, None
-
-    def interrupt(number: int, _: Any) -> None:
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGTERM, interrupt)
+    reserve = Reserve(out)
     try:
-        good = run.frames(last, output, write_first=checkpoint is None, done=lambda: progress.update(run))
+        reserve.hold(run.checkpoint().bytes + ROOM)
+        output = Output(out, spec, start_time if checkpoint else None)
+    except OSError as error:
+        reserve.release()
+        raise _not_writable(out, error) from None
+
+    def done() -> None:
+        reserve.hold(run.good.bytes + ROOM)
+        progress.update(run)
+
+    status, failure = DONE, None
+    try:
+        with _stopping(run):
+            run.frames(last, output, write_first=checkpoint is None, done=done)
     except Stopped as stopped:
-        status, good, failure = STOPPED, stopped.good, stopped.report
-        write_json(out / "failure.json", failure)
-    except KeyboardInterrupt:
-        progress.say("interrupted")
-        return INTERRUPTED
+        status, failure = STOPPED, stopped.report
+    except Interrupted:
+        status = INTERRUPTED
+    except OSError as error:
+        fault = Fault(
+            f"{error.filename or out}: {error.strerror or error}",
+            f"make room or mend it, and go on with --resume {out / state_name(run.good.clock.frame)}"
+            if run.good
+            else "make room or mend it, and start again",
+        )
+        status, failure = STOPPED, report(run, fault, run.good.clock if run.good else None, 0)
     finally:
         progress.close()
         output.close()
-    good.save(out / state_name(good.clock.frame), spec)
-    write_json(out / "summary.json", _summary(run, status, good, start_time, time.perf_counter() - began))
+        reserve.release()
+    try:
+        if failure:
+            write_json(out / "failure.json", failure)
+        if run.good:
+            run.good.save(out / state_name(run.good.clock.frame), spec)
+        write_json(out / "summary.json", _summary(run, status, start_time, time.perf_counter() - began))
+    except OSError as error:
+        print(f"stopped: {_not_writable(out, error)}", file=sys.stderr)
+        status = STOPPED
     if failure:
         print(_explain(failure, out), file=sys.stderr)
+    elif status == INTERRUPTED:
+        kept = f"; state kept: {out / state_name(run.good.clock.frame)}" if run.good else ""
+        print(f"interrupted at {run.clock.time:.6g} s{kept}", file=sys.stderr)
     return status
 
 
-def _make_folder(out: Path) -> None:
+def _prepare(out: Path) -> None:
+    """Make the folder, and remove what an earlier run said about its end."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         probe = out / ".writable"
         probe.touch()
         probe.unlink()
+        for name in ("failure.json", "summary.json"):
+            (out / name).unlink(missing_ok=True)
     except OSError as error:
-        raise Refused(f"{out} can not be written to: {error.strerror}", remedy="give another --out") from None
+        raise _not_writable(out, error) from None
+
+
+def _not_writable(out: Path, error: OSError) -> Refused:
+    return Refused(
+        f"{error.filename or out} can not be written: {error.strerror or error}",
+        remedy="make room, or give another --out",
+    )
+
+
+@contextlib.contextmanager
+def _stopping(run: Run) -> Iterator[None]:
+    """At a signal the run ends after the step; at a second one, at once."""
+
+    def ask(number: int, frame: object) -> None:
+        if run.stop_requested:
+            raise KeyboardInterrupt
+        run.stop_requested = True
+
+    with _handled(ask):
+        yield
+
+
+@contextlib.contextmanager
+def _handled(handler: Callable[[int, Any], None]) -> Iterator[None]:
+    """Signals that end a run go to `handler`; in a thread, to whom they went before."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, handler) for number in SIGNALS}
+    try:
+        yield
+    finally:
+        for number, previous in before.items():
+            signal.signal(number, previous)
 
 
 def _explain(failure: dict[str, Any], out: Path) -> str:
+    frame, state = failure["last_good_frame"], failure["last_good_state"]
+    kept = f"frames up to {frame} are good; state kept: {out / state}" if state else "no frame was written"
     return (
         f"stopped at {failure['time']:.6g} s (step {failure['step']}): {failure['detected']}\n"
-        f"  frames up to {failure['last_good_frame']} are good; state kept: {out / failure['last_good_state']}\n"
+        f"  {kept}\n"
         f"  fix: {failure['change']}\n"
         f"  more in {out / 'failure.json'}"
     )
 
 
-def _summary(run: Run, status: int, good: Checkpoint, start_time: float, wall: float) -> dict[str, Any]:
+def _summary(run: Run, status: int, start_time: float, wall: float) -> dict[str, Any]:
     """Contents of summary.json; times in seconds, lengths in metres."""
     modules = sorted(run.spec.materials())
     stepping = run.stopwatch.seconds.get("stepping", 0.0)
@@ -115,7 +187,7 @@ def _summary(run: Run, status: int, good: Checkpoint, start_time: float, wall: f
         item.name: item.solid.report.lines() for item in run.world.obstacles.placed if item.solid.report is not None
     }
     return {
-        "status": {DONE: "done", STOPPED: "stopped"}[status],
+        "status": {DONE: "done", STOPPED: "stopped", INTERRUPTED: "interrupted"}[status],
         "versions": {name: version(name) for name in ("tidemill", "taichi", "numpy") if _installed(name)},
         "device": run.device,
         "modules": modules,
@@ -127,7 +199,7 @@ def _summary(run: Run, status: int, good: Checkpoint, start_time: float, wall: f
             "boundary_samples": run.world.fluid.system.boundary.count if run.world.fluid else 0,
         },
         "repaired": repaired,
-        "simulated_s": round(good.clock.time - start_time, 9),
+        "simulated_s": round((run.good.clock.time if run.good else start_time) - start_time, 9),
         "wall_s": run.stopwatch.rounded() | {"total": round(wall, 4)},
         "particle_steps_per_s": round(run.particle_steps / stepping) if stepping > 0 else 0,
         "extent": {"min": run.world.bounds[0].tolist(), "max": run.world.bounds[1].tolist()},
@@ -144,18 +216,21 @@ def _installed(name: str) -> bool:
     return True
 
 
-def guarded(action) -> int:
+def guarded(action: Callable[[], int]) -> int:
     """Run `action`, turning what can go wrong outside the physics into a message and an exit status."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
     try:
-        return action()
+        with _handled(interrupt):
+            return action()
     except Refused as refused:
         print(f"refused: {refused}", file=sys.stderr)
         return REFUSED
-    except OSError as error:
-        if error.errno not in (errno.ENOSPC, errno.EROFS, errno.EDQUOT, errno.EACCES, errno.EFBIG):
-            raise
-        print(f"stopped: {error.filename or 'output'}: {error.strerror}\n  fix: make room and go on from the last state")
-        return STOPPED
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
 
 
 def frame_range(text: str) -> tuple[int, int]:
@@ -172,17 +247,16 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--spec", required=True, help="settings of the simulation as JSON, or @FILE that holds them")
     parser.add_argument("--folder", type=Path, required=True, help="folder that relative asset paths start from")
-    parser.add_argument("--frames", type=frame_range, required=True, metavar="A:B", help="frames to write, both included")
+    parser.add_argument("--frames", type=frame_range, required=True, metavar="A:B", help="frames to write")
     parser.add_argument("--resume", type=Path, metavar="STATE", help="state after frame A-1")
     parser.add_argument("--out", type=Path, required=True, help="folder for frames, tables and the state after frame B")
     parser.add_argument("--threads", type=int, help="CPU threads (default: all)")
-    parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="device (default: CUDA if there)")
+    parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
     options = parser.parse_args(arguments)
-    text = Path(options.spec[1:]).read_text() if options.spec.startswith("@") else options.spec
     first, last = options.frames
     return guarded(
         lambda: simulate(
-            SimulationSpec.model_validate(json.loads(text)),
+            _read_spec(options.spec),
             options.folder,
             options.out,
             first=first,
@@ -192,6 +266,18 @@ def main(arguments: list[str] | None = None) -> int:
             arch=options.arch,
         )
     )
+
+
+def _read_spec(given: str) -> SimulationSpec:
+    """The settings from JSON text, or from the file @FILE; raises Refused."""
+    try:
+        text = Path(given[1:]).read_text() if given.startswith("@") else given
+        return SimulationSpec.model_validate(json.loads(text))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise Refused(first["msg"], location=first["loc"], remedy="mend the settings given with --spec") from None
+    except (OSError, ValueError) as error:
+        raise Refused(f"--spec can not be read: {error}", remedy="give JSON, or @FILE") from None
 
 
 if __name__ == "__main__":

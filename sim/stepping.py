@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from sim import runtime
 from sim.checkpoint import Checkpoint, Clock
-from sim.events import spec_at
-from sim.failure import FIXED_MARGIN, MAX_RETRIES, Fault, Stopped, find_fault, report
+from sim.events import TIME_TOLERANCE, events_between, spec_at, spec_before
+from sim.failure import FIXED_MARGIN, MAX_RETRIES, Fault, Interrupted, Stopped, find_fault, report, short_step
 from sim.output import Output
 from sim.probes import Probes
 from sim.settings import Refused
-from sim.spec import SimulationSpec
+from sim.spec import Event, SimulationSpec
 from sim.stopwatch import Stopwatch
 from sim.world import Counts, World
 
@@ -27,8 +27,6 @@ GROWTH = 1.1
 """A step is at most this much longer than the one before: it falls at once and rises slowly."""
 RECOVERY = 2.0
 """After a frame without a fault, a shortened step may be this much longer in the next frame."""
-TIME_TOLERANCE = 1e-12
-"""Times closer than this [s] are the same."""
 LONGEST_STEP = 1.0
 """The step [s] where nothing limits it; frames and events cut it."""
 
@@ -59,6 +57,10 @@ class Run:
         self.probes = Probes(spec)
         self.stopwatch = Stopwatch()
         self.measure: Measure | None = None
+        self.good: Checkpoint | None = None
+        """The state after the last frame that was written."""
+        self.stop_requested = False
+        """Set from outside to end the run between two steps."""
         self.steps_taken = 0
         self.particle_steps = 0
         with self.stopwatch.phase("build"):
@@ -76,11 +78,12 @@ class Run:
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint, byte for byte as the run that made it."""
+        self.good = checkpoint
         self.clock = Clock(**asdict(checkpoint.clock))
         self.counts = Counts(**checkpoint.counts)
         self.probes = Probes(self.spec, checkpoint.probe_times)
         with self.stopwatch.phase("build"):
-            self.world = World(spec_at(self.spec, self.clock.time), self.folder, checkpoint.origin)
+            self.world = World(spec_before(self.spec, self.clock.time), self.folder, checkpoint.origin)
         self._build(checkpoint.fluid, going_on=True)
 
     def checkpoint(self) -> Checkpoint:
@@ -93,27 +96,29 @@ class Run:
             fluid=self.world.fluid.state() if self.world.fluid else None,
         )
 
-    def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> Checkpoint:
-        """Simulate up to frame `last`, write every frame, call `done` after each; returns the last state.
+    def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> None:
+        """Simulate up to frame `last`, write every frame, call `done` after each.
 
         `write_first`: write the present frame too. Raises Stopped where a frame fails in spite of
-        retries; all frames written until then are good.
+        retries, and Interrupted; all frames written until then are good, and `good` is the state after them.
         """
-        good = self.checkpoint()
         if write_first:
             self._sample(output)
             self._write(output)
-            good = self.checkpoint()
             done()
         while self.clock.frame < last:
-            self._frame(good, output)
+            try:
+                self._frame(self.good, output)
+            except Refused as refused:
+                output.drop_rows()
+                fault = Fault(str(refused.args[0]), refused.remedy or "change the event")
+                raise Stopped(report(self, fault, self.good.clock, 0)) from refused
             self._write(output)
-            good = self.checkpoint()
             done()
-        return good
 
     def _frame(self, good: Checkpoint, output: Output) -> None:
         """Simulate one frame, again with half the step where a fault is found."""
+        taken, cause = self.steps_taken, None
         for retry in range(MAX_RETRIES + 1):
             fault = self._try_frame(output)
             if fault is None:
@@ -121,31 +126,41 @@ class Run:
                     self.clock.step_scale = min(1.0, good.clock.step_scale * RECOVERY)
                 return
             output.drop_rows()
-            if retry == MAX_RETRIES or self.spec.step.fixed is not None:
-                raise Stopped(good, report(self, fault, good.clock, retry))
+            repeated = self.counts.steps_repeated + self.steps_taken - taken
+            self.steps_taken = taken
+            cause = fault if fault.repeatable or cause is None else cause
+            if retry == MAX_RETRIES or not fault.repeatable:
+                self.counts.steps_repeated = repeated
+                raise Stopped(report(self, cause, good.clock, retry))
             retries = self.counts.retries + 1
             self.resume(good)
-            self.counts.retries = retries
+            self.counts.retries, self.counts.steps_repeated = retries, repeated
             self.clock.step_scale = good.clock.step_scale * 0.5 ** (retry + 1)
             self.warn(f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step")
         raise AssertionError("unreachable")
 
     def _try_frame(self, output: Output) -> Fault | None:
+        """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
         target = (self.clock.frame + 1) / self.spec.fps
-        while self.clock.time < target - TIME_TOLERANCE:
-            coming = [event.at for event in self.spec.events if event.at > self.clock.time + TIME_TOLERANCE]
-            until = min([target, *coming])
-            fault = self._advance_to(until, output)
+        for now, events in events_between(self.spec, self.clock.time, target):
+            fault = self._advance_to(now, output)
             if fault is not None:
                 return fault
-            if until in coming:
-                self._apply_events(until)
-        self.clock.frame += 1
-        return None
+            self._apply_events(now, events)
+        fault = self._advance_to(target, output)
+        if fault is None:
+            self.clock.frame += 1
+        return fault
 
     def _advance_to(self, until: float, output: Output) -> Fault | None:
         """Step to the time `until` [s] exactly."""
         while self.clock.time < until - TIME_TOLERANCE:
+            if self.stop_requested:
+                output.drop_rows()
+                raise Interrupted
+            fault = short_step(self.world, self.measure, self.clock.step_scale, self.spec.fps)
+            if fault is not None:
+                return fault
             start = time.perf_counter()
             rest = until - self.clock.time
             wanted = self._wanted_step()
@@ -178,20 +193,19 @@ class Run:
             limits.append(GROWTH * self.clock.last_step)
         return min(limits)
 
-    def _apply_events(self, now: float) -> None:
+    def _apply_events(self, now: float, events: list[Event]) -> None:
         """Build the world anew as the events at this time want it, with the particles there are."""
         state = self.world.fluid.state() if self.world.fluid else None
         names = self._body_names()
         with self.stopwatch.phase("build"):
             self.world = World(spec_at(self.spec, now), self.folder, self.world.origin)
-            for event in self.spec.events:
-                if event.at == now and state is not None:
-                    for name in event.remove:
-                        if name in names:
-                            before = state.count
-                            state = state.without_body(names.index(name))
-                            self.counts.particles_removed_by_events += before - state.count
-                    state = self._pour(state, list(event.add.fluid))
+            for event in events if state is not None else ():
+                for name in event.remove:
+                    if name in names:
+                        before = state.count
+                        state = state.without_body(names.index(name))
+                        self.counts.particles_removed_by_events += before - state.count
+                state = self._pour(state, list(event.add.fluid))
         self._build(state, going_on=False)
 
     def _body_names(self) -> list[str]:
@@ -209,9 +223,15 @@ class Run:
         with self.stopwatch.phase("build"):
             self.world.build(state, going_on=going_on)
             self.measure = self.world.measure()
-        self._refuse_fixed_step()
+        self._refuse()
 
-    def _refuse_fixed_step(self) -> None:
+    def _refuse(self) -> None:
+        fault = find_fault(self.world, self.measure, 0.0)
+        if fault is not None:
+            raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
+        short = short_step(self.world, self.measure, 1.0, self.spec.fps)
+        if short is not None:
+            raise Refused(short.what, remedy=short.remedy)
         fixed = self.spec.step.fixed
         limit = self.world.step_limit(self.measure) * FIXED_MARGIN
         if fixed is not None and fixed > limit:
@@ -230,6 +250,7 @@ class Run:
     def _write(self, output: Output) -> None:
         with self.stopwatch.phase("output"):
             output.frame(self.clock.frame, self.clock.time, self.world)
+            self.good = self.checkpoint()
 
 
 def _fit(step: float, rest: float, *, even: bool) -> float:

@@ -10,12 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.obstacles import Obstacles, find_obstacles
+from sim.settings import Refused
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.fluid.part import FluidPart, FluidState
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
+
+COARSEST = 0.01
+"""Positions in files are right to this share of the spacing of particles."""
 
 
 @dataclass
@@ -26,6 +30,7 @@ class Counts:
     particles_without_room: int = 0
     particles_removed_by_events: int = 0
     retries: int = 0
+    steps_repeated: int = 0
 
 
 class World:
@@ -42,6 +47,7 @@ class World:
         self.obstacles = find_obstacles(spec, folder)
         self.sources = self._find_sources()
         self.bounds = action_bounds(self.sources, self.obstacles)
+        self._refuse_remote()
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
         self.fluid: FluidPart | None = None
 
@@ -92,6 +98,18 @@ class World:
             return math.inf
         return self.fluid.solver.step_limit(measure.v_max, measure.a_max, self.spec.step.cfl)
 
+    def limiting_term(self, measure: Measure) -> tuple[str, str]:
+        """What `step_limit` comes from, found by relaxing one term after another, and what would help."""
+        solver, cfl = self.fluid.solver, self.spec.step.cfl
+        limit = solver.step_limit(measure.v_max, measure.a_max, cfl)
+        if solver.step_limit(measure.v_max, 0.0, cfl) > limit:
+            return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
+        if solver.step_limit(measure.v_max, measure.a_max, 2 * cfl) > limit:
+            speeds = f"sound {self.fluid.speed_of_sound:.3g} m/s, fluid {measure.v_max:.3g} m/s"
+            return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
+        viscosity = self.spec.fluid.viscosity
+        return f"the viscosity ({viscosity:.3g} m^2/s)", "use a lower fluid.viscosity, or larger particles"
+
     def advance(self, dt: float) -> None:
         """Step all materials by dt [s]."""
         if self.fluid and self.fluid.count:
@@ -120,6 +138,19 @@ class World:
     def _extent_up(self, bounds: np.ndarray) -> tuple[float, float]:
         low, high = bounds[0] * self._up, bounds[1] * self._up
         return float(np.minimum(low, high).sum()), float(np.maximum(low, high).sum())
+
+    def _refuse_remote(self) -> None:
+        """Files hold coordinates in single precision, which is coarse far from zero."""
+        if self.spec.fluid is None:
+            return
+        step = float(np.spacing(np.float32(np.abs(self.bounds).max())))
+        spacing = self.spec.fluid.spacing
+        if step / 2 > COARSEST * spacing:
+            raise Refused(
+                f"coordinates up to {np.abs(self.bounds).max():.6g} m can only be written in steps of {step:.2g} m, "
+                f"which is coarse for particles {spacing:.3g} m apart",
+                remedy="move the scene nearer to the origin, or use larger particles",
+            )
 
     def _find_sources(self) -> list[Source]:
         if self.spec.fluid is None:

@@ -18,8 +18,8 @@ from sim.settings import Refused
 
 START_CLEARANCE = 0.45
 """Fluid starts at least this many spacings off every solid."""
-OVERLAP = 0.7
-"""Fluid that an event adds keeps this many spacings off the fluid that is there."""
+OVERLAP = 0.9
+"""Fluid keeps this many spacings off the fluid that is there: the holes of a full lattice are sqrt(3)/2 wide."""
 COMPRESSION_SPEED = 10.0
 """Speed of sound over the greatest speed expected: 1 % compression (Monaghan 1994)."""
 

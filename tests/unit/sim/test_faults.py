@@ -1,0 +1,78 @@
+"""What counts as a fault, from the figures of one step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sim.failure import MOST_STEPS, find_fault, short_step
+from sim.fluid.system import Measure
+from sim.spec import SimulationSpec
+
+GOOD = Measure(
+    v_max=1.0,
+    a_max=10.0,
+    kinetic_energy=1.0,
+    momentum=np.zeros(3),
+    position_sum=np.zeros(3),
+    density_max=1010.0,
+    compression_sum=1.0,
+    not_finite=0,
+    beyond_walls=0,
+    too_fast=0,
+)
+
+
+def world(limit=1e-3, **step):
+    spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01}, "step": step})
+    return SimpleNamespace(
+        spec=spec,
+        fluid=SimpleNamespace(count=5, speed_of_sound=20.0),
+        step_limit=lambda measure: limit,
+        limiting_term=lambda measure: ("the viscosity", "use less"),
+    )
+
+
+def test_a_good_step_has_none():
+    assert find_fault(world(), GOOD, 1e-3) is None
+    assert find_fault(world(), None, 1e-3) is None
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"not_finite": 2}, "2 particles have values that are not finite"),
+        ({"kinetic_energy": np.nan}, "not finite"),
+        ({"position_sum": np.array([0, np.inf, 0])}, "not finite"),
+        ({"density_max": np.nan}, "not finite"),
+        ({"density_max": 1310.0}, "1.31 times the rest density"),
+        ({"too_fast": 3}, "3 particles are faster than sound (20 m/s)"),
+        ({"beyond_walls": 4}, "4 particles went through a wall"),
+    ],
+)
+def test_faults(change, what):
+    fault = find_fault(world(), replace(GOOD, **change), 1e-3)
+    assert what in fault.what
+    assert fault.remedy
+    assert fault.repeatable
+    assert not find_fault(world(fixed=1e-3), replace(GOOD, **change), 1e-3).repeatable
+
+
+@pytest.mark.parametrize(("factor", "faulty"), [(2.4, False), (2.6, True)])
+def test_a_fixed_step_has_a_margin(factor, faulty):
+    fixed = factor * 1e-3
+    assert (find_fault(world(fixed=fixed), GOOD, fixed) is not None) == faulty
+
+
+@pytest.mark.parametrize(("share", "faulty"), [(1.01, False), (0.99, True)])
+def test_a_step_can_be_too_short_for_a_frame(share, faulty):
+    shortest = 1 / (24 * MOST_STEPS)
+    fault = short_step(world(limit=share * shortest), GOOD, 1.0, 24)
+    assert (fault is not None) == faulty
+    if fault:
+        assert "the viscosity allows steps of" in fault.what
+        assert not fault.repeatable
+    assert short_step(world(limit=share * shortest, fixed=1e-9), GOOD, 1.0, 24) is None
