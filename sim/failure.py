@@ -43,8 +43,8 @@ class Stopped(Exception):
         self.report = report
 
 
-class Interrupted(Exception):
-    """The run was asked to stop, and did so between two steps."""
+class Interrupted(BaseException):
+    """A signal asked the run to end. No KeyboardInterrupt: Python may die of one even after it was caught."""
 
 
 def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None:

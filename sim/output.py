@@ -60,14 +60,14 @@ class Output:
     def frame(self, frame: int, time: float, world: World) -> None:
         """Particles and bodies of one frame; the tables' rows up to it become final.
 
-        Where something can not be written, nothing of the frame stays; raises OSError.
+        Where that fails or is interrupted, nothing of the frame stays.
         """
         particles = self.folder / f"fluid_{frame:05d}.ply"
         for table in self._tables():
             table.mark()
         try:
             self._frame(particles, frame, time, world)
-        except OSError:
+        except BaseException:
             for table in self._tables():
                 table.undo()
             particles.unlink(missing_ok=True)

@@ -9,8 +9,10 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import os
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -71,11 +73,17 @@ def simulate(
     progress = Progress(first, last, quiet=quiet)
     run = Run(spec, folder, threads=threads, arch=arch, warn=progress.say)
     run.resume(checkpoint) if checkpoint else run.start()
-    start_time = run.clock.time
+    with _stopping(run):
+        return _carry_out(run, out, last, progress, began)
+
+
+def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float) -> int:
+    """Simulate up to frame `last`, and leave files that tell how it ended; returns the exit status."""
+    start_time, going_on = run.clock.time, run.good is not None
     reserve = Reserve(out)
     try:
         reserve.hold(run.checkpoint().bytes + ROOM)
-        output = Output(out, spec, start_time if checkpoint else None)
+        output = Output(out, run.spec, start_time if going_on else None)
     except OSError as error:
         reserve.release()
         raise _not_writable(out, error) from None
@@ -86,8 +94,7 @@ def simulate(
 
     status, failure = DONE, None
     try:
-        with _stopping(run):
-            run.frames(last, output, write_first=checkpoint is None, done=done)
+        run.frames(last, output, write_first=not going_on, done=done)
     except Stopped as stopped:
         status, failure = STOPPED, stopped.report
     except Interrupted:
@@ -108,7 +115,7 @@ def simulate(
         if failure:
             write_json(out / "failure.json", failure)
         if run.good:
-            run.good.save(out / state_name(run.good.clock.frame), spec)
+            run.good.save(out / state_name(run.good.clock.frame), run.spec)
         write_json(out / "summary.json", _summary(run, status, start_time, time.perf_counter() - began))
     except OSError as error:
         print(f"stopped: {_not_writable(out, error)}", file=sys.stderr)
@@ -125,9 +132,8 @@ def _prepare(out: Path) -> None:
     """Make the folder, and remove what an earlier run said about its end."""
     try:
         out.mkdir(parents=True, exist_ok=True)
-        probe = out / ".writable"
-        probe.touch()
-        probe.unlink()
+        with tempfile.TemporaryFile(dir=out):
+            pass
         for name in ("failure.json", "summary.json"):
             (out / name).unlink(missing_ok=True)
     except OSError as error:
@@ -147,7 +153,7 @@ def _stopping(run: Run) -> Iterator[None]:
 
     def ask(number: int, frame: object) -> None:
         if run.stop_requested:
-            raise KeyboardInterrupt
+            raise Interrupted
         run.stop_requested = True
 
     with _handled(ask):
@@ -219,18 +225,17 @@ def _installed(name: str) -> bool:
 def guarded(action: Callable[[], int]) -> int:
     """Run `action`, turning what can go wrong outside the physics into a message and an exit status."""
 
-    def interrupt(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
+    def leave(number: int, frame: object) -> None:
+        # Before the first step there is nothing to save, and an exception may crash a library that is just loading.
+        os.write(sys.stderr.fileno(), b"interrupted before the first step\n")
+        os._exit(INTERRUPTED)
 
     try:
-        with _handled(interrupt):
+        with _handled(leave):
             return action()
     except Refused as refused:
         print(f"refused: {refused}", file=sys.stderr)
         return REFUSED
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED
 
 
 def frame_range(text: str) -> tuple[int, int]:
