@@ -1,4 +1,4 @@
-"""Start and stop of Taichi."""
+"""Start of Taichi, once a process."""
 
 from __future__ import annotations
 
@@ -6,13 +6,17 @@ import contextlib
 import io
 import os
 
+_running: tuple[str, int] | None = None
+
 
 def start(*, threads: int | None = None, arch: str = "auto") -> str:
-    """Start Taichi, or start it anew with nothing allocated; returns the name of the architecture.
+    """Start Taichi; returns the name of the architecture.
 
-    `arch` is auto, cpu or cuda. Asking Taichi for "any GPU" crashes on machines with a display
-    library and no GPU, so CUDA is asked for by name.
+    `arch` is auto, cpu or cuda; raises Refused for cuda without a device. Asking Taichi for "any GPU" crashes on
+    machines with a display library and no GPU, so CUDA is asked for by name. Arrays are freed one by one, so what
+    runs already is kept: starting anew would compile all kernels again.
     """
+    global _running
     with contextlib.redirect_stdout(io.StringIO()):
         import taichi as ti
         from taichi.lang.misc import is_arch_supported
@@ -22,15 +26,18 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
             from sim.settings import Refused
 
             raise Refused("no CUDA device was found", remedy="use --arch cpu, or leave --arch out")
-        use_cuda = arch != "cpu" and is_arch_supported(ti.cuda)
-        ti.init(
-            arch=ti.cuda if use_cuda else ti.cpu,
-            cpu_max_num_threads=threads or os.cpu_count() or 1,
-            default_fp=ti.f32,
-            default_ip=ti.i32,
-            fast_math=True,
-            offline_cache=True,
-            offline_cache_cleaning_policy="lru",
-            log_level=ti.ERROR,
-        )
-    return "cuda" if use_cuda else "cpu"
+        device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
+        wanted = device, threads or os.cpu_count() or 1
+        if wanted != _running:
+            ti.init(
+                arch=ti.cuda if device == "cuda" else ti.cpu,
+                cpu_max_num_threads=wanted[1],
+                default_fp=ti.f32,
+                default_ip=ti.i32,
+                fast_math=True,
+                offline_cache=True,
+                offline_cache_cleaning_policy="lru",
+                log_level=ti.ERROR,
+            )
+            _running = wanted
+    return device

@@ -1,4 +1,4 @@
-"""Shared by all tests: a small world to simulate in, and Taichi started once a test that needs it."""
+"""Shared by all tests: a small world to simulate in, and Taichi running."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 @pytest.fixture
 def taichi():
-    """Taichi, started anew on the CPU with nothing allocated."""
+    """Taichi, running on the CPU."""
     from sim import runtime
 
     runtime.start(threads=2, arch="cpu")
