@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -122,7 +123,7 @@ class World:
     def bytes_by_module(self) -> dict[str, int]:
         return {"fluid": self.fluid.system.bytes} if self.fluid else {}
 
-    @property
+    @functools.cached_property
     def floor(self) -> float:
         """Height of the lowest solid or fluid [m], along the direction against gravity."""
         heights = [self._extent_up(np.asarray(bounds))[0] for bounds in self.obstacles.bounds()]
