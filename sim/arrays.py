@@ -7,15 +7,25 @@ from typing import Literal
 import numpy as np
 import taichi as ti
 
+from sim import precision
+
+real = ti.f64 if precision.chosen == "double" else ti.f32
+"""The type of positions, velocities and all that follows from them."""
+numpy_real = np.float64 if precision.chosen == "double" else np.float32
+
 vec2i = ti.types.vector(2, ti.i32)
-vec3 = ti.types.vector(3, ti.f32)
-vec4 = ti.types.vector(4, ti.f32)
+vec3 = ti.types.vector(3, real)
+vec4 = ti.types.vector(4, real)
 
 Vec4Array = ti.types.ndarray(dtype=vec4, ndim=1)
 Vec2iArray = ti.types.ndarray(dtype=vec2i, ndim=1)
+RealArray = ti.types.ndarray(dtype=real, ndim=1)
 IntArray = ti.types.ndarray(dtype=ti.i32, ndim=1)
 IntTable = ti.types.ndarray(dtype=ti.i32, ndim=2)
 DoubleTable = ti.types.ndarray(dtype=ti.f64, ndim=2)
+
+GROWTH = 1.25
+"""Arrays that are too short are made this much longer than needed."""
 
 
 @dataclass(frozen=True)
@@ -26,38 +36,43 @@ class Declared:
     """
 
     name: str
-    element: Literal["vec4", "vec2i"]
+    element: Literal["vec4", "vec2i", "real"]
     unit: str
     sorted: bool = True
     saved: bool = True
 
 
-_ELEMENTS = {"vec4": (vec4, np.float32, 4), "vec2i": (vec2i, np.int32, 2)}
+_ELEMENTS = {"vec4": (vec4, numpy_real, 4), "vec2i": (vec2i, np.int32, 2), "real": (real, numpy_real, 1)}
 
 
 class Particles:
-    """The declared arrays for `count` particles; an attribute for each, named as declared."""
+    """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared."""
 
     def __init__(self, declared: Sequence[Declared], count: int):
         self.declared = tuple(declared)
         self.count = count
+        self.capacity = max(count, 1)
+        self._allocate()
+
+    def _allocate(self) -> None:
         self._spare: dict[str, ti.Ndarray] = {}
         for field in self.declared:
-            setattr(self, field.name, self._allocate(field))
+            setattr(self, field.name, self._array(field))
             if field.sorted:
-                self._spare[field.name] = self._allocate(field)
+                self._spare[field.name] = self._array(field)
 
-    def _allocate(self, field: Declared) -> ti.Ndarray:
-        array = ti.ndarray(_ELEMENTS[field.element][0], max(self.count, 1))
+    def _array(self, field: Declared) -> ti.Ndarray:
+        array = ti.ndarray(_ELEMENTS[field.element][0], self.capacity)
         array.fill(0)
         return array
 
-    def reorder(self, order: ti.Ndarray) -> None:
-        """Bring the sorted arrays into `order`: element i comes from order[i]."""
+    def reorder(self, order: ti.Ndarray, count: int | None = None) -> None:
+        """Bring the sorted arrays into `order`: element i comes from order[i]; `count` keeps the first of them only."""
+        self.count = self.count if count is None else count
         for field in self.declared:
             if field.sorted:
                 source, target = getattr(self, field.name), self._spare[field.name]
-                (_gather_vec4 if field.element == "vec4" else _gather_vec2i)(self.count, order, source, target)
+                _GATHER[field.element](self.count, order, source, target)
                 setattr(self, field.name, target)
                 self._spare[field.name] = source
 
@@ -66,13 +81,20 @@ class Particles:
         return {field.name: self.numpy(field.name) for field in self.declared if field.saved}
 
     def load(self, state: dict[str, np.ndarray]) -> None:
-        """Fill arrays from copies that `state` made."""
-        for name, values in state.items():
-            if self.count:
-                getattr(self, name).from_numpy(np.ascontiguousarray(values))
+        """Hold what `state` made, with room to grow where that is more than there was."""
+        self.count = len(next(iter(state.values()), ()))
+        if self.count > self.capacity:
+            self.capacity = int(GROWTH * self.count)
+            self._allocate()
+        for field in self.declared:
+            if field.saved and self.count:
+                kind, width = _ELEMENTS[field.element][1:]
+                whole = np.zeros((self.capacity, width), kind)
+                whole[: self.count] = state[field.name].reshape(self.count, width)
+                getattr(self, field.name).from_numpy(whole[:, 0] if width == 1 else whole)
 
     def numpy(self, name: str) -> np.ndarray:
-        """A copy of one array, shape [count, components]."""
+        """A copy of one array, shape [count, components], or [count] of numbers."""
         return getattr(self, name).to_numpy()[: self.count]
 
     @property
@@ -81,7 +103,7 @@ class Particles:
             np.dtype(_ELEMENTS[field.element][1]).itemsize * _ELEMENTS[field.element][2] * (2 if field.sorted else 1)
             for field in self.declared
         )
-        return per_particle * self.count
+        return per_particle * self.capacity
 
 
 @ti.kernel
@@ -94,3 +116,12 @@ def _gather_vec4(count: ti.i32, order: IntArray, source: Vec4Array, target: Vec4
 def _gather_vec2i(count: ti.i32, order: IntArray, source: Vec2iArray, target: Vec2iArray):
     for i in range(count):
         target[i] = source[order[i]]
+
+
+@ti.kernel
+def _gather_real(count: ti.i32, order: IntArray, source: RealArray, target: RealArray):
+    for i in range(count):
+        target[i] = source[order[i]]
+
+
+_GATHER = {"vec4": _gather_vec4, "vec2i": _gather_vec2i, "real": _gather_real}

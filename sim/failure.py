@@ -63,7 +63,7 @@ def _particle_fault(world: World, measure: Measure) -> Fault | None:
         ratio = measure.density_max / world.spec.fluid.rest_density
         return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
     if measure.too_fast:
-        speed = world.fluid.speed_of_sound
+        speed = world.fluid.fastest_signal
         return Fault(
             f"{measure.too_fast} particles are faster than sound ({speed:.3g} m/s)",
             "raise fluid.wcsph.speed_of_sound if such speeds are meant, else " + smaller,
@@ -134,7 +134,7 @@ def _suspects(world: World) -> list[dict[str, Any]]:
     density = state.velocity[:, 3] / world.spec.fluid.rest_density
     positions = state.position[:, :3].astype(np.float64) + world.origin
     depth = np.max([wall.offset - positions @ wall.normal for wall in world.obstacles.walls], axis=0, initial=0.0)
-    limits = (density / DENSITY_LIMIT, speed / world.fluid.speed_of_sound, 2 * depth / world.fluid.system.h)
+    limits = (density / DENSITY_LIMIT, speed / world.fluid.fastest_signal, 2 * depth / world.fluid.system.h)
     badness = np.nan_to_num(np.maximum.reduce(limits), nan=np.inf, posinf=np.inf)
     suspects = []
     for i in np.argsort(-badness, kind="stable")[:NAMED]:

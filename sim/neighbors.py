@@ -1,9 +1,10 @@
 """Neighbour search by compact spatial hashing.
 
-Space is divided into cubic cells with the edge of the support radius, numbered periodically: cell
-(x, y, z) has the same number as its images a period away, so that memory follows the number of
+Space is divided into cells: as long as the search radius along y and z, a quarter of it along x. They are numbered
+periodically: cell (x, y, z) has the same number as its images a period away, so that memory follows the number of
 particles and no domain bounds the scene. Far images share a cell and drop out by their distance.
-Within a period the numbering is linear, so that the three cells of a row lie together in memory.
+Within a period the numbering is linear with x running fastest, so that the cells of a row lie together in memory, and
+the fine division along x lets a search skip the ends of the rows that its sphere does not reach.
 """
 
 from typing import Protocol
@@ -11,98 +12,124 @@ from typing import Protocol
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array
+from sim.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
 
-CELLS_PER_PARTICLE = 4
+SLICES = 4
+"""Cells along x in one search radius."""
 SCAN_CHUNK = 1024
-MIN_PERIOD = 8
+LANES = 8
+"""Lists are padded to a multiple of this with the particle itself, so that loops over them run in full vectors."""
 ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
-"""Rows of three cells around a particle's cell, nearest in memory first."""
+"""Rows of cells around a particle's own, nearest in memory first."""
+SLACK = 1e-3
+"""Share of the radius by which the reach along a row is too long rather than too short, for rounding."""
 
 
-def period_for(count: int) -> int:
-    """Cells along each axis of a period: a power of two, with room for splashes."""
-    period = MIN_PERIOD
-    while period**3 < CELLS_PER_PARTICLE * count:
-        period *= 2
-    return period
+@ti.func
+def padded(size: ti.i32) -> ti.i32:
+    """How far to run through a padded list of this size."""
+    return (size + (LANES - 1)) & ~(LANES - 1)
+
+
+def periods_for(count: int) -> tuple[int, int, int]:
+    """Search radii along x, y and z in a period: powers of two, one to two cubes a particle for room to splash."""
+    period = [8, 8, 8]
+    axis = 0
+    while period[0] * period[1] * period[2] < count:
+        period[(0, 2, 1)[axis % 3]] *= 2
+        axis += 1
+    return period[0], period[1], period[2]
 
 
 class Cells(Protocol):
-    """Particles sorted by cell: those of cell c are first[c] up to, without, last[c]."""
+    """Points sorted by cell: those of cell c are start[c] up to, without, start[c + 1]."""
 
-    cell_size: float
-    period: int
-    first: ti.Ndarray
-    last: ti.Ndarray
+    radius: float
+    periods: tuple[int, int, int]
+    start: ti.Ndarray
 
 
 class HashGrid:
-    """Cells of `count` particles that move."""
+    """Cells of points that move."""
 
-    def __init__(self, count: int, cell_size: float):
-        self.count = count
-        self.cell_size = cell_size
-        self.period = period_for(count)
-        cells = self.period**3
-        self.first = ti.ndarray(ti.i32, cells)
-        self.last = ti.ndarray(ti.i32, cells)
-        self.order = ti.ndarray(ti.i32, max(count, 1))
-        self._cell = ti.ndarray(ti.i32, max(count, 1))
-        self._chunks = ti.ndarray(ti.i32, -(-cells // SCAN_CHUNK))
+    def __init__(self, count: int, radius: float):
+        self.radius = radius
+        self._capacity = 0
+        self.fit(count)
 
-    def sort(self, position: ti.Ndarray) -> ti.Ndarray:
-        """Find the order of particles by cell; stable, so that the same positions give the same order."""
-        _sort(
-            self.count,
-            1.0 / self.cell_size,
-            self.period,
-            position,
-            self._cell,
-            self._chunks,
-            self.first,
-            self.last,
-            self.order,
-        )
+    def fit(self, count: int) -> None:
+        """Choose the period for this many points; the order of points depends on it."""
+        self.periods = periods_for(count)
+        self._cells = self.periods[0] * SLICES * self.periods[1] * self.periods[2]
+        self.start = ti.ndarray(ti.i32, self._cells + 2)
+        self._chunks = ti.ndarray(ti.i32, -(-(self._cells + 2) // SCAN_CHUNK))
+
+    def sort(self, position: ti.Ndarray, count: int) -> ti.Ndarray:
+        """Find the order of points by cell; stable, so that the same positions give the same order."""
+        if count > self._capacity:
+            self._capacity = int(GROWTH * count)
+            self.order = ti.ndarray(ti.i32, self._capacity)
+            self._cell = ti.ndarray(ti.i32, self._capacity)
+        if count:
+            _sort(
+                count,
+                self.radius,
+                *self.periods,
+                self._cells,
+                position,
+                self._cell,
+                self._chunks,
+                self.start,
+                self.order,
+            )
         return self.order
 
     @property
     def bytes(self) -> int:
-        return 4 * (2 * self.period**3 + 2 * self.count)
+        return 4 * (self._cells + 2 * self._capacity)
 
 
 class NeighborList:
-    """Indices of the neighbours of `count` particles, `capacity` at most each."""
+    """Indices of the neighbours of particles, `capacity` at most each."""
 
-    def __init__(self, count: int, capacity: int):
+    def __init__(self, capacity: int):
         self.capacity = capacity
-        self.count = count
-        self.size = ti.ndarray(ti.i32, max(count, 1))
-        self.index = ti.ndarray(ti.i32, (max(count, 1), capacity))
+        self._rows = 0
+        self._allocate(1)
 
-    def build(self, position: ti.Ndarray, cells: Cells, other: ti.Ndarray) -> None:
-        """List the `other` particles, sorted into `cells`, in the support of each particle."""
-        while True:
+    def _allocate(self, rows: int) -> None:
+        self._rows = rows
+        self.size = ti.ndarray(ti.i32, rows)
+        self.index = ti.ndarray(ti.i32, (rows, self.capacity))
+
+    def build(self, position: ti.Ndarray, count: int, cells: Cells, other: ti.Ndarray, *, same: bool) -> None:
+        """List the `other` points, sorted into `cells`, within their radius of each particle.
+
+        `same`: the others are the particles themselves; none is in its own list, but pads it.
+        """
+        if count > self._rows:
+            self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+        while count:
             longest = _build(
-                self.count,
-                cells.cell_size,
+                count,
+                cells.radius,
                 position,
-                cells.period,
-                cells.first,
-                cells.last,
+                *cells.periods,
+                cells.start,
                 other,
+                same,
                 self.capacity,
                 self.size,
                 self.index,
             )
-            if longest < self.capacity:
+            if longest + LANES <= self.capacity:
                 return
-            self.capacity = -(-(longest + 1) * 5 // 4 // 16) * 16
-            self.index = ti.ndarray(ti.i32, (max(self.count, 1), self.capacity))
+            self.capacity = -(-(longest + LANES) * 5 // 4 // 16) * 16
+            self._allocate(self._rows)
 
     @property
     def bytes(self) -> int:
-        return 4 * self.count * (self.capacity + 1)
+        return 4 * self._rows * (self.capacity + 1)
 
 
 class StaticGrid:
@@ -111,62 +138,54 @@ class StaticGrid:
     points: positions [m], shape [n, 3]; `order` brings them into the order of the cells.
     """
 
-    def __init__(self, points: np.ndarray, cell_size: float):
-        self.cell_size = cell_size
-        self.period = period_for(len(points))
-        inverse = np.float32(1.0 / cell_size)
-        cell = np.floor(points.astype(np.float32) * inverse).astype(np.int64) & (self.period - 1)
-        key = (cell[:, 2] * self.period + cell[:, 1]) * self.period + cell[:, 0]
+    def __init__(self, points: np.ndarray, radius: float):
+        self.radius = radius
+        self.periods = periods_for(len(points))
+        px, py, pz = self.periods
+        at = np.floor(points.astype(np.float32) * (np.float32(1.0 / radius) * np.array([SLICES, 1, 1], np.float32)))
+        at = at.astype(np.int64) & (np.array([px * SLICES, py, pz]) - 1)
+        key = (at[:, 2] * py + at[:, 1]) * px * SLICES + at[:, 0]
         self.order = np.argsort(key, kind="stable")
-        cells = np.arange(self.period**3)
-        self.first = ti.ndarray(ti.i32, len(cells))
-        self.last = ti.ndarray(ti.i32, len(cells))
-        self.first.from_numpy(np.searchsorted(key[self.order], cells, side="left").astype(np.int32))
-        self.last.from_numpy(np.searchsorted(key[self.order], cells, side="right").astype(np.int32))
+        starts = np.searchsorted(key[self.order], np.arange(px * SLICES * py * pz + 2), side="left")
+        self.start = ti.ndarray(ti.i32, len(starts))
+        self.start.from_numpy(starts.astype(np.int32))
 
     @property
     def bytes(self) -> int:
-        return 8 * self.period**3
-
-
-@ti.func
-def row_of(y: ti.i32, z: ti.i32, period: ti.i32) -> ti.i32:
-    """Number of the first cell in the row at (y, z)."""
-    return ((z & (period - 1)) * period + (y & (period - 1))) * period
-
-
-@ti.func
-def cell_at(point, inverse_cell_size: ti.f32):
-    return ti.floor(point * inverse_cell_size, ti.i32)
+        return 4 * self.start.shape[0]
 
 
 @ti.kernel
 def _sort(
     count: ti.i32,
-    inverse_cell_size: ti.f32,
-    period: ti.i32,
+    radius: real,
+    px: ti.i32,
+    py: ti.i32,
+    pz: ti.i32,
+    cells: ti.i32,
     position: Vec4Array,
     cell: IntArray,
     chunks: IntArray,
-    first: IntArray,
-    last: IntArray,
+    start: IntArray,
     order: IntArray,
 ):
     """Counting sort by cell; one kernel, since its launch costs more than most of its loops.
 
-    `last` counts the particles of a cell, then is where its next one goes, and at last its end.
+    `start` counts the points of cell c at c + 2; summed up, c + 1 is where the next point of cell c goes, and so
+    at last its end and the start of the cell after.
     """
-    for c in range(last.shape[0]):
-        last[c] = 0
+    for c in range(cells + 2):
+        start[c] = 0
     for i in range(count):
-        at = cell_at(position[i].xyz, inverse_cell_size)
-        c = row_of(at.y, at.z, period) + (at.x & (period - 1))
+        u = position[i].xyz / radius
+        at = ti.floor(vec3(u.x * SLICES, u.y, u.z), ti.i32)
+        c = ((at.z & (pz - 1)) * py + (at.y & (py - 1))) * px * SLICES + (at.x & (px * SLICES - 1))
         cell[i] = c
-        ti.atomic_add(last[c], 1)
+        ti.atomic_add(start[c + 2], 1)
     for k in range(chunks.shape[0]):
         s = 0
-        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, last.shape[0])):
-            s += last[c]
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, cells + 2)):
+            s += start[c]
         chunks[k] = s
     ti.loop_config(serialize=True)
     for _ in range(1):
@@ -177,19 +196,17 @@ def _sort(
             s += here
     for k in range(chunks.shape[0]):
         s = chunks[k]
-        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, last.shape[0])):
-            here = last[c]
-            first[c] = s
-            last[c] = s
-            s += here
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, cells + 2)):
+            s += start[c]
+            start[c] = s
     for i in range(count):
-        order[ti.atomic_add(last[cell[i]], 1)] = i
-    # Atomics place the particles of a cell in no particular order: sort them by their former index.
-    for c in range(first.shape[0]):
-        for k in range(first[c] + 1, last[c]):
+        order[ti.atomic_add(start[cell[i] + 1], 1)] = i
+    # Atomics place the points of a cell in no particular order: sort them by their former index.
+    for c in range(cells):
+        for k in range(start[c] + 1, start[c + 1]):
             value = order[k]
             slot = k - 1
-            while slot >= first[c] and order[slot] > value:
+            while slot >= start[c] and order[slot] > value:
                 order[slot + 1] = order[slot]
                 slot -= 1
             order[slot + 1] = value
@@ -198,17 +215,19 @@ def _sort(
 @ti.kernel
 def _build(
     count: ti.i32,
-    support_radius: ti.f32,
+    radius: real,
     position: Vec4Array,
-    period: ti.i32,
-    first: IntArray,
-    last: IntArray,
+    px: ti.i32,
+    py: ti.i32,
+    pz: ti.i32,
+    start: IntArray,
     other: Vec4Array,
+    same: ti.template(),
     capacity: ti.i32,
     size: IntArray,
     index: IntTable,
 ) -> ti.i32:
-    """List for every particle the `other` particles in its support; returns the room that was needed.
+    """List for every particle the `other` points within the radius; returns the room that was needed.
 
     Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less. So there has to
     be room for all candidates of a row, else the row is left out, and the list has to grow and be built again.
@@ -216,22 +235,45 @@ def _build(
     longest = 0
     for i in range(count):
         x = position[i].xyz
-        at = cell_at(x, 1.0 / support_radius)
+        u = x / radius
+        whole = ti.floor(u)
+        at = ti.cast(whole, ti.i32)
+        inside = u - whole
         found, needed = 0, 0
-        left = (at.x - 1) & (period - 1)
-        right = (at.x + 1) & (period - 1)
-        pieces = ti.select(left < right, 1, 3)
         for dy, dz in ti.static(ROWS):
-            row = row_of(at.y + dy, at.z + dz, period)
-            for piece in range(pieces):
-                begin = row + ti.select(pieces == 1, left, (at.x - 1 + piece) & (period - 1))
-                end = ti.select(pieces == 1, row + right, begin)
-                needed = ti.max(needed, found + last[end] - first[begin])
-                if needed < capacity:
-                    for j in range(first[begin], last[end]):
-                        d = x - other[j].xyz
-                        index[i, found] = j
-                        found += ti.cast(d.dot(d) < support_radius * support_radius, ti.i32)
+            across = row_distance(inside.y, dy) ** 2 + row_distance(inside.z, dz) ** 2
+            if across < 1.0 + SLACK:
+                reach = ti.sqrt(1.0 + SLACK - across)
+                low, high = ti.floor((u.x - reach) * SLICES, ti.i32), ti.floor((u.x + reach) * SLICES, ti.i32)
+                left, right = low & (px * SLICES - 1), high & (px * SLICES - 1)
+                row = (((at.z + dz) & (pz - 1)) * py + ((at.y + dy) & (py - 1))) * px * SLICES
+                wraps = ti.cast(left > right, ti.i32)
+                for piece in range(1 + wraps):
+                    begin = start[row + ti.select(piece == 0, left, 0)]
+                    end = start[row + ti.select(piece == wraps, right, px * SLICES - 1) + 1]
+                    needed = ti.max(needed, found + end - begin)
+                    if needed + LANES <= capacity:
+                        for j in range(begin, end):
+                            d = x - other[j].xyz
+                            index[i, found] = j
+                            if ti.static(same):
+                                found += ti.cast(d.dot(d) < radius * radius, ti.i32) & ti.cast(j != i, ti.i32)
+                            else:
+                                found += ti.cast(d.dot(d) < radius * radius, ti.i32)
         size[i] = found
+        if ti.static(same) and found + LANES <= capacity:
+            for k in range(found, padded(found)):
+                index[i, k] = i
         ti.atomic_max(longest, needed)
     return longest
+
+
+@ti.func
+def row_distance(inside: real, step: ti.template()):
+    """Distance to the row of cells `step` further on, over the cell's length."""
+    distance = ti.cast(0.0, real)
+    if ti.static(step < 0):
+        distance = inside
+    if ti.static(step > 0):
+        distance = 1.0 - inside
+    return distance

@@ -38,12 +38,30 @@ class Output:
         self.folder = folder
         self.has_fluid = spec.fluid is not None
         self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS, until)
-        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + (FLUID_COLUMNS if self.has_fluid else ()), until)
+        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + self._fluid_columns(spec), until)
         self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
         self._meshes: set[str] = set()
 
-    def step(self, step: int, time: float, dt: float, wall: float, world: World, measure: Measure | None) -> None:
-        """One row of steps.csv: energies in J, density errors as shares of the rest density."""
+    def _fluid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        if spec.fluid is None:
+            self._statistics: tuple[str, ...] = ()
+            return ()
+        from sim.fluid import load_solver
+
+        self._statistics = load_solver(spec.fluid.solver).STATISTICS
+        return FLUID_COLUMNS + self._statistics
+
+    def step(
+        self,
+        step: int,
+        time: float,
+        dt: float,
+        wall: float,
+        world: World,
+        measure: Measure | None,
+        told: dict[str, float],
+    ) -> None:
+        """One row of steps.csv: energies in J, density errors as shares of the rest density; `told` by the solver."""
         row = [step, time, dt, wall]
         if measure is not None:
             count = world.fluid.count
@@ -55,6 +73,7 @@ class Output:
                 measure.kinetic_energy,
                 world.fluid.potential_energy(measure) if count else 0.0,
             ]
+            row += [told.get(name, 0) for name in self._statistics]
         self.steps.add(*row)
 
     def frame(self, frame: int, time: float, world: World) -> None:

@@ -26,13 +26,15 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
             from sim.settings import Refused
 
             raise Refused("no CUDA device was found", remedy="use --arch cpu, or leave --arch out")
+        from sim import precision
+
         device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
         wanted = device, threads or os.cpu_count() or 1
         if wanted != _running:
             ti.init(
                 arch=ti.cuda if device == "cuda" else ti.cpu,
                 cpu_max_num_threads=wanted[1],
-                default_fp=ti.f32,
+                default_fp=ti.f64 if precision.chosen == "double" else ti.f32,
                 default_ip=ti.i32,
                 fast_math=True,
                 offline_cache=True,

@@ -22,6 +22,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sim import precision
 from sim.checkpoint import Checkpoint, state_name
 from sim.failure import Fault, Interrupted, Stopped, report
 from sim.files import Reserve, write_json
@@ -62,6 +63,7 @@ def simulate(
     if threads is not None and threads < 1:
         raise Refused(f"{threads} threads can not compute", remedy="give at least one, or leave --threads out")
     began = time.perf_counter()
+    precision.choose(spec.precision)
     spec = spec.before(last / spec.fps)
     checkpoint = Checkpoint.load(state, spec) if state else None
     if checkpoint and checkpoint.clock.frame != first - 1:

@@ -156,6 +156,8 @@ class SimulationSpec(Settings):
     """Frames per simulated second [Hz]."""
     gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, -9.81, 0.0)
     step: TimeStep = TimeStep()
+    precision: Literal["single", "double"] = "single"
+    """Precision of the computation; files hold single precision. Double is slower, for studies."""
     containers: dict[Name, Container] = {}
     """Walls that hold what is inside them."""
     fluid: Fluid | None = None

@@ -141,6 +141,7 @@ class Run:
 
     def _try_frame(self, output: Output) -> Fault | None:
         """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
+        self.world.begin_frame()
         target = (self.clock.frame + 1) / self.spec.fps
         for now, events in events_between(self.spec, self.clock.time, target):
             fault = self._advance_to(now, output)
@@ -165,7 +166,7 @@ class Run:
             rest = until - self.clock.time
             wanted = self._wanted_step()
             dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
-            self.world.advance(dt)
+            told = self.world.advance(dt)
             self.measure = self.world.measure()
             self.clock.time = until if dt == rest else self.clock.time + dt
             self.clock.last_step = wanted
@@ -177,7 +178,8 @@ class Run:
                 return fault
             self.steps_taken += 1
             self.particle_steps += self.world.fluid.count if self.world.fluid else 0
-            output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure)
+            self.counts.steps_capped += int(told.get("capped", 0) > 0)
+            output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)
         return None
 

@@ -32,6 +32,8 @@ class Counts:
     particles_removed_by_events: int = 0
     retries: int = 0
     steps_repeated: int = 0
+    steps_capped: int = 0
+    """Steps in which a pressure solver stopped at its cap of iterations, with a larger error than asked for."""
 
 
 class World:
@@ -90,31 +92,39 @@ class World:
             drop=max((self._extent_up(source.bounds)[1] for source in self.sources), default=0.0) - self.floor,
             fastest=max((float(np.linalg.norm(source.velocity)) for source in self.sources), default=0.0),
         )
-        if not going_on:
-            self.fluid.solver.start()
+        self.fluid.solver.restore() if going_on else self.fluid.solver.start()
 
     def step_limit(self, measure: Measure | None) -> float:
         """Largest stable time step [s]; infinite where nothing moves."""
-        if measure is None or not self.fluid.count:
-            return math.inf
-        return self.fluid.solver.step_limit(measure.v_max, measure.a_max, self.spec.step.cfl)
+        return min(self._step_limits(measure).values(), default=math.inf)
 
     def limiting_term(self, measure: Measure) -> tuple[str, str]:
-        """What `step_limit` comes from, found by relaxing one term after another, and what would help."""
-        solver, cfl = self.fluid.solver, self.spec.step.cfl
-        limit = solver.step_limit(measure.v_max, measure.a_max, cfl)
-        if solver.step_limit(measure.v_max, 0.0, cfl) > limit:
-            return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
-        if solver.step_limit(measure.v_max, measure.a_max, 2 * cfl) > limit:
-            speeds = f"sound {self.fluid.speed_of_sound:.3g} m/s, fluid {measure.v_max:.3g} m/s"
-            return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
-        viscosity = self.spec.fluid.viscosity
-        return f"the viscosity ({viscosity:.3g} m^2/s)", "use a lower fluid.viscosity, or larger particles"
+        """What `step_limit` comes from, and what would help."""
+        limits = self._step_limits(measure)
+        match min(limits, key=limits.get):
+            case "force":
+                return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
+            case "viscosity":
+                remedy = "use a lower fluid.viscosity, or larger particles"
+                return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy
+        speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
+        return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
-    def advance(self, dt: float) -> None:
-        """Step all materials by dt [s]."""
+    def _step_limits(self, measure: Measure | None) -> dict[str, float]:
+        if measure is None or not self.fluid.count:
+            return {}
+        return self.fluid.solver.step_limits(measure, self.spec.step.cfl)
+
+    def begin_frame(self) -> None:
+        """What a run that goes on from the last frame would do first."""
+        if self.fluid:
+            self.fluid.system.begin_frame()
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step all materials by dt [s]; returns what the solvers tell of the step."""
         if self.fluid and self.fluid.count:
-            self.fluid.solver.advance(dt)
+            return self.fluid.solver.advance(dt)
+        return {}
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""

@@ -2,7 +2,12 @@
 
 from importlib import import_module
 
-SOLVERS = {"wcsph": "sim.fluid.wcsph:Wcsph"}
+SOLVERS = {
+    "wcsph": "sim.fluid.wcsph:Wcsph",
+    "pcisph": "sim.fluid.pcisph:Pcisph",
+    "iisph": "sim.fluid.iisph:Iisph",
+    "dfsph": "sim.fluid.dfsph:Dfsph",
+}
 """Pressure solvers by the name they have in a scene."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
-from sim.arrays import vec4
+from sim.arrays import numpy_real, vec4
 from sim.fluid.calibration import sample_weight
 from sim.fluid.kernel import cubic_host
 from sim.neighbors import NeighborList, StaticGrid
@@ -14,21 +14,29 @@ from sim.neighbors import NeighborList, StaticGrid
 class Boundary:
     """Samples of surfaces that do not move.
 
-    points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n]; spacing [m] of the fluid.
+    points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n]; spacing [m] of the fluid;
+    search_radius [m], at least the support radius, within which they are listed.
     `samples` holds position and weighted volume of each sample [m^3], in the order of the cells.
     """
 
-    def __init__(self, points: np.ndarray, owner: np.ndarray, spacing: float, support_radius: float, fluid_count: int):
+    def __init__(
+        self, points: np.ndarray, owner: np.ndarray, spacing: float, support_radius: float, search_radius: float
+    ):
         self.count = len(points)
-        self.grid = StaticGrid(points, support_radius)
+        self.grid = StaticGrid(points, search_radius)
         order = self.grid.order
         self.points = points[order]
         self.owner = owner[order]
         self.volumes = sample_weight(spacing, support_radius) * sample_volumes(points, support_radius)[order]
         self.samples = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
-            self.samples.from_numpy(np.column_stack((self.points, self.volumes)).astype(np.float32))
-        self.neighbors = NeighborList(fluid_count if self.count else 0, 48)
+            self.samples.from_numpy(np.column_stack((self.points, self.volumes)).astype(numpy_real))
+        self.neighbors = NeighborList(48)
+
+    def find_neighbors(self, position: ti.Ndarray, count: int) -> None:
+        """List the samples near each of `count` particles."""
+        if self.count:
+            self.neighbors.build(position, count, self.grid, self.samples, same=False)
 
     @property
     def bytes(self) -> int:

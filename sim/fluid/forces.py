@@ -5,11 +5,12 @@ import math
 import numpy as np
 import taichi as ti
 
+from sim.arrays import real
 from sim.fluid.kernel import cubic_host
 
 
 @ti.func
-def viscous(approach: ti.f32, nu: ti.f32) -> ti.f32:
+def viscous(approach: real, nu: real) -> real:
     """Friction of a pair, over (x^2 + 0.01 h^2): 2 (dim + 2) nu (v.x), to multiply the volume and the gradient of the
     neighbour.
 
@@ -20,7 +21,7 @@ def viscous(approach: ti.f32, nu: ti.f32) -> ti.f32:
 
 
 @ti.func
-def artificial(approach: ti.f32, strength: ti.f32) -> ti.f32:
+def artificial(approach: real, strength: real) -> real:
     """The same for Monaghan (1992), eq. 4.1 without its quadratic term: only pairs that approach each other are
     slowed; strength = alpha c h / 2 [m^2/s]."""
     return strength * ti.min(approach, 0.0)

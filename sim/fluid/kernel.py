@@ -9,23 +9,28 @@ import math
 import numpy as np
 import taichi as ti
 
+from sim.arrays import real
+
 
 @ti.func
-def cubic(q: ti.f32) -> ti.f32:
+def cubic(q: real) -> real:
     """W h^3 pi / 8 at q = r / h."""
     rest = ti.max(1.0 - q, 0.0)
     return ti.select(q < 0.5, 1.0 - 6.0 * q * q * rest, 2.0 * rest * rest * rest)
 
 
 @ti.func
-def cubic_slope(q: ti.f32, inverse_q: ti.f32) -> ti.f32:
-    """(dW/dr) / r * h^5 pi / 8: the gradient is this times the vector r; `inverse_q` may be anything at q < 1/2."""
+def cubic_slope(q: real) -> real:
+    """(dW/dr) / r * h^5 pi / 8: the gradient is this times the vector r.
+
+    Both pieces are computed and one is chosen, so that loops over neighbours run in vectors.
+    """
     rest = ti.max(1.0 - q, 0.0)
-    return ti.select(q < 0.5, 18.0 * q - 12.0, -6.0 * rest * rest * inverse_q)
+    return ti.select(q < 0.5, 18.0 * q - 12.0, -6.0 * rest * rest / q)
 
 
 @ti.func
-def halfspace_area(q: ti.f32) -> ti.f32:
+def halfspace_area(q: real) -> real:
     """Integral of W over the plane at distance q h, times h: what the density loses on the way out."""
     s = ti.min(ti.abs(q), 1.0)
     u = 1.0 - s
@@ -35,7 +40,7 @@ def halfspace_area(q: ti.f32) -> ti.f32:
 
 
 @ti.func
-def halfspace_volume(q: ti.f32) -> ti.f32:
+def halfspace_volume(q: real) -> real:
     """Integral of W over the half-space beyond a plane at signed distance q h: 1 deep inside, 0 far out."""
     s = ti.min(ti.abs(q), 1.0)
     u = 1.0 - s

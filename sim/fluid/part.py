@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sim.arrays import numpy_real
 from sim.fluid import load_solver
 from sim.fluid.boundary import Boundary
 from sim.fluid.sources import Source
@@ -35,9 +36,9 @@ class FluidState:
     origin; tag: identity and index of the fluid body, shape [n, 2].
     """
 
-    position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
-    velocity: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
-    acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.float32))
+    position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
+    velocity: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
+    acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     tag: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
 
     @property
@@ -96,9 +97,9 @@ def pour(
         )
     first = int(state.tag[:, 0].max()) + 1 if state.count else 0
     fresh = FluidState(
-        position=np.column_stack((points - origin, np.zeros(count))).astype(np.float32),
-        velocity=np.tile(np.array([*source.velocity, fluid.rest_density], np.float32), (count, 1)),
-        acceleration=np.zeros((count, 4), np.float32),
+        position=np.column_stack((points - origin, np.zeros(count))).astype(numpy_real),
+        velocity=np.tile(np.array([*source.velocity, fluid.rest_density], numpy_real), (count, 1)),
+        acceleration=np.zeros((count, 4), numpy_real),
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
     )
     return state.joined(fresh), len(free) - count
@@ -129,14 +130,16 @@ class FluidPart:
         h = fluid.support_radius
         planes = surroundings.planes.copy()
         planes[:, 3] -= planes[:, :3] @ origin
-        boundary = Boundary(surroundings.samples - origin, surroundings.owner, fluid.spacing, h, state.count)
+        solver = load_solver(fluid.solver)
+        reach = h * (1 + solver.SKIN)
+        boundary = Boundary(surroundings.samples - origin, surroundings.owner, fluid.spacing, h, reach)
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
-        self.system = FluidSystem(fluid, gravity, state.count, walls, boundary)
-        self.system.particles.load(vars(state))
-        self.speed_of_sound = speed_of_sound(fluid, gravity, drop, fastest)
-        self.solver = load_solver(fluid.solver)(self.system, self.speed_of_sound)
+        self.system = FluidSystem(fluid, gravity, walls, boundary, solver.ARRAYS, solver.SKIN)
+        self.system.load(vars(state))
+        self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
+        self.solver = solver(self.system, self.fastest_signal)
 
     @property
     def count(self) -> int:
@@ -150,7 +153,7 @@ class FluidPart:
         g = float(np.linalg.norm(self.gravity))
         up = -self.gravity / g if g > 0 else np.zeros(3)
         level = g * (floor - float(up @ self.origin))
-        return self.system.measure(self.speed_of_sound, level)
+        return self.system.measure(self.fastest_signal, level)
 
     def potential_energy(self, measure: Measure) -> float:
         """In gravity [J], zero at the world's origin."""
@@ -158,10 +161,13 @@ class FluidPart:
         return -self.system.mass * float(self.gravity @ position_sum)
 
 
-def speed_of_sound(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: float) -> float:
-    """Numerical speed of sound [m/s] (Monaghan 1994, sec. 4): `auto` follows from what the scene can reach."""
+def fastest_signal(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: float) -> float:
+    """The numerical speed of sound [m/s] (Monaghan 1994, sec. 4), faster than which no particle can be.
+
+    `auto` follows from what the scene can reach.
+    """
     given = fluid.wcsph.speed_of_sound
-    if given != "auto":
+    if fluid.solver == "wcsph" and given != "auto":
         return float(given)
     g = float(np.linalg.norm(gravity))
     reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing))

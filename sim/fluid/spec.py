@@ -39,6 +39,23 @@ class Wcsph(Settings):
     """The same coefficient for what runs into a solid: 0 makes drops bounce off, 1 makes them stay."""
 
 
+class Incompressible(Settings):
+    """Settings of a solver that looks for the pressures under which the fluid keeps its volume."""
+
+    density_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0005
+    """Mean compression that a step may leave, as a share of the rest density: 0.0005 is 0.05 %."""
+    min_iterations: Annotated[int, Ge(1), Le(1000)] = 2
+    max_iterations: Annotated[int, Ge(1), Le(100_000)] = 100
+    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
+
+
+class Dfsph(Incompressible):
+    """Settings of divergence-free SPH (Bender & Koschier 2017)."""
+
+    divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.001
+    """Mean compression in one step by the velocities after it, as a share of the rest density."""
+
+
 class Fluid(Settings):
     """The liquid and how it is simulated."""
 
@@ -57,6 +74,9 @@ class Fluid(Settings):
     max_particles: Annotated[int, Gt(0), Le(50_000_000)] = 5_000_000
     """More fluid particles than this are refused before the simulation starts."""
     wcsph: Wcsph = Wcsph()
+    pcisph: Incompressible = Incompressible()
+    iisph: Incompressible = Incompressible()
+    dfsph: Dfsph = Dfsph()
 
     @property
     def spacing(self) -> float:

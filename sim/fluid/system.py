@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, Particles, Vec4Array
+from sim.arrays import Declared, DoubleTable, Particles, Vec4Array, real, vec3
 from sim.fluid.boundary import Boundary
 from sim.fluid.kernel import particle_mass
 from sim.fluid.spec import Fluid
@@ -15,7 +15,7 @@ from sim.neighbors import HashGrid, NeighborList
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
     Declared("velocity", "vec4", "m/s; w: density [kg/m^3]"),
-    Declared("acceleration", "vec4", "m/s^2; w unused", sorted=False),
+    Declared("acceleration", "vec4", "m/s^2; w: as position's, of a solver's second system of equations"),
     Declared("tag", "vec2i", "identity and body"),
 )
 
@@ -39,33 +39,71 @@ class Measure:
     too_fast: int
 
 
-class FluidSystem:
-    """Particles, their neighbours, and the solids around them, in coordinates relative to `origin`."""
+STILL = Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
+"""The measure of no particles at all."""
 
-    def __init__(self, spec: Fluid, gravity: np.ndarray, count: int, walls: Walls, boundary: Boundary):
+
+class FluidSystem:
+    """Particles, their neighbours, and the solids around them, in coordinates relative to the world's origin.
+
+    extra: arrays that only the solver needs. skin: how much further than the support radius neighbours are listed,
+    relative to it, so that a list serves for several short steps.
+    """
+
+    def __init__(
+        self,
+        spec: Fluid,
+        gravity: np.ndarray,
+        walls: Walls,
+        boundary: Boundary,
+        extra: tuple[Declared, ...] = (),
+        skin: float = 0.0,
+    ):
         self.spec = spec
         self.gravity = gravity
-        self.count = count
         self.walls = walls
         self.boundary = boundary
         self.wall_damping = 0.0
         """Artificial viscosity against solids, alpha c [m/s]; the solver's choice."""
         self.h = spec.support_radius
         self.mass = particle_mass(spec.spacing, self.h, spec.rest_density)
-        self.particles = Particles(PARTICLES, count)
-        self.grid = HashGrid(count, self.h)
-        self.neighbors = NeighborList(count, 64)
+        self.particles = Particles(PARTICLES + extra, 0)
+        self.grid = HashGrid(0, self.h * (1 + skin))
+        self.neighbors = NeighborList(64)
+        self._skin = skin * self.h
+        self._way_left = 0.0
         self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
+        self.measured = STILL
+        """What the last measure said."""
 
-    def find_neighbors(self) -> None:
-        """Sort the particles by cell and list their neighbours, of the fluid and of the boundary."""
-        if not self.count:
+    @property
+    def count(self) -> int:
+        return self.particles.count
+
+    def load(self, state: dict[str, np.ndarray]) -> None:
+        """Hold these particles instead of those there were."""
+        self.particles.load(state)
+        self.begin_frame()
+
+    def begin_frame(self) -> None:
+        """Choose the hash by the present count and forget the neighbours, so that a run that goes on from a
+        checkpoint does the same."""
+        self.grid.fit(self.count)
+        self._way_left = 0.0
+
+    def find_neighbors(self, way: float = float("inf")) -> None:
+        """Sort the particles by cell and list their neighbours, of the fluid and of the boundary.
+
+        `way`: how far [m] any of them has moved at most since the last call; lists are kept while they hold all pairs.
+        """
+        self._way_left -= way
+        if not self.count or self._way_left > 0:
             return
-        self.particles.reorder(self.grid.sort(self.particles.position))
+        self._way_left = self._skin / 2
+        self.particles.reorder(self.grid.sort(self.particles.position, self.count))
         position = self.particles.position
-        self.neighbors.build(position, self.grid, position)
-        if self.boundary.count:
-            self.boundary.neighbors.build(position, self.boundary.grid, self.boundary.samples)
+        self.neighbors.build(position, self.count, self.grid, position, same=True)
+        self.boundary.find_neighbors(position, self.count)
 
     def measure(self, speed_limit: float, level: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation.
@@ -74,7 +112,8 @@ class FluidSystem:
         where gravity's potential is `level` [m^2/s^2].
         """
         if not self.count:
-            return Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
+            self.measured = STILL
+            return STILL
         _measure(
             self.count,
             self.particles.position,
@@ -84,14 +123,14 @@ class FluidSystem:
             self.walls.count,
             self.walls.planes,
             self.h / 2,
-            ti.math.vec3(*self.gravity),
+            vec3(*self.gravity),
             speed_limit,
             level,
             self._partial,
         )
         table = self._partial.to_numpy()
         peak, total = table.max(axis=0), table.sum(axis=0)
-        return Measure(
+        self.measured = Measure(
             v_max=float(np.sqrt(peak[0])),
             a_max=float(np.sqrt(peak[1])),
             kinetic_energy=0.5 * self.mass * float(total[2]),
@@ -103,6 +142,7 @@ class FluidSystem:
             beyond_walls=int(total[12]),
             too_fast=int(total[13]),
         )
+        return self.measured
 
     @property
     def bytes(self) -> int:
@@ -115,13 +155,13 @@ def _measure(
     position: Vec4Array,
     velocity: Vec4Array,
     acceleration: Vec4Array,
-    rest_density: ti.f32,
+    rest_density: real,
     wall_count: ti.i32,
     planes: Vec4Array,
-    deepest: ti.f32,
-    gravity: ti.math.vec3,
-    speed_limit: ti.f32,
-    level: ti.f32,
+    deepest: real,
+    gravity: vec3,
+    speed_limit: real,
+    level: real,
     partial: DoubleTable,
 ):
     for block in range(BLOCKS):
@@ -139,7 +179,13 @@ def _measure(
                 row[6 + axis] += x[axis]
             row[9] = ti.max(row[9], v.w)
             row[10] += ti.max(v.w / rest_density - 1.0, 0.0)
-            finite = ti.abs(v2) < 1e30 and ti.abs(a2) < 1e30 and x.xyz.dot(x.xyz) < 1e30 and v.w < 1e30
+            finite = (
+                ti.abs(v2) < 1e30
+                and ti.abs(a2) < 1e30
+                and x.xyz.dot(x.xyz) < 1e30
+                and v.w < 1e30
+                and ti.abs(x.w) < 1e30
+            )
             if not finite:
                 row[11] += 1.0
             if wall_depth(x.xyz, wall_count, planes) > deepest:

@@ -8,7 +8,7 @@ wall and for walls that do not reach the same particle.
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Vec4Array, vec3, vec4
+from sim.arrays import Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
@@ -28,34 +28,26 @@ class Walls:
         self.planes = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
             shifted = planes - [0.0, 0.0, 0.0, self.setback]
-            self.planes.from_numpy(shifted.astype(np.float32))
+            self.planes.from_numpy(shifted.astype(numpy_real))
 
 
 @ti.func
-def wall_volume(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32) -> ti.f32:
-    """Share of the kernel around x that lies in the walls, 0 to 1."""
-    void = 1.0
-    for k in range(count):
-        void *= 1.0 - halfspace_volume((planes[k].xyz.dot(x) - planes[k].w) * inverse_h)
-    return 1.0 - void
-
-
-@ti.func
-def wall_gradient(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32) -> vec3:
-    """Gradient of `wall_volume` with respect to x [1/m]; points into the walls."""
+def wall_share(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: real) -> vec4:
+    """Share of the kernel around x that lies in the walls, 0 to 1, in w, and its gradient with respect to x [1/m]."""
+    void = ti.cast(1.0, real)
     gradient = vec3(0.0)
     for k in range(count):
-        rest = halfspace_area((planes[k].xyz.dot(x) - planes[k].w) * inverse_h) * inverse_h
-        if rest > 0.0:
-            for other in range(count):
-                if other != k:
-                    rest *= 1.0 - halfspace_volume((planes[other].xyz.dot(x) - planes[other].w) * inverse_h)
-            gradient -= rest * planes[k].xyz
-    return gradient
+        q = (planes[k].xyz.dot(x) - planes[k].w) * inverse_h
+        if q < 1.0:
+            rest = 1.0 - halfspace_volume(q)
+            # What the walls before leave, this one cuts down; and its own gradient is cut down by theirs.
+            gradient = rest * gradient - void * halfspace_area(q) * inverse_h * planes[k].xyz
+            void *= rest
+    return vec4(gradient, 1.0 - void)
 
 
 @ti.func
-def wall_damping(x: vec3, v: vec3, count: ti.i32, planes: Vec4Array, inverse_h: ti.f32, strength: ti.f32) -> vec3:
+def wall_damping(x: vec3, v: vec3, count: ti.i32, planes: Vec4Array, inverse_h: real, strength: real) -> vec3:
     """Deceleration of what runs into walls: artificial viscosity against each plane's nearest point, `strength` =
     alpha c h / 2 [m^2/s]."""
     a = vec3(0.0)
@@ -67,7 +59,7 @@ def wall_damping(x: vec3, v: vec3, count: ti.i32, planes: Vec4Array, inverse_h: 
 
 
 @ti.func
-def wall_depth(x: vec3, count: ti.i32, planes: Vec4Array) -> ti.f32:
+def wall_depth(x: vec3, count: ti.i32, planes: Vec4Array) -> real:
     """How deep x lies in the deepest wall [m]; negative outside all of them."""
     depth = -1e30
     for k in range(count):

@@ -30,7 +30,7 @@ def world(limit=1e-3, **step):
     spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01}, "step": step})
     return SimpleNamespace(
         spec=spec,
-        fluid=SimpleNamespace(count=5, speed_of_sound=20.0),
+        fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),
     )

@@ -1,0 +1,86 @@
+"""The step that all solvers share which look for the pressures under which the fluid keeps its volume."""
+
+from typing import ClassVar
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import Declared, Vec4Array, real
+from sim.fluid.limits import force_limit, viscosity_limit, way_limit
+from sim.fluid.momentum import Momentum
+from sim.fluid.spec import Incompressible as Settings
+from sim.fluid.system import FluidSystem, Measure
+
+WORST = 0.05
+"""No particle may be left compressed by more than this share, whatever the mean."""
+BLOCKS = 256
+"""Errors are summed over this many ranges of particles, so that sums do not depend on threads."""
+
+
+class Incompressible:
+    """Advances a FluidSystem: forces, pressures, motion. A solver says what it measures, and finds the pressures."""
+
+    ARRAYS: ClassVar[tuple[Declared, ...]]
+    STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
+    SKIN: ClassVar[float] = 0.0
+    """Particles move far in a step: lists would not serve for a second one."""
+
+    def __init__(self, system: FluidSystem, fastest_signal: float):
+        self.system = system
+        self.momentum = Momentum(system, pressure=False)
+
+    @property
+    def settings(self) -> Settings:
+        """The solver's own settings."""
+        return getattr(self.system.spec, self.system.spec.solver)
+
+    def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
+        """Largest stable time steps [s]: the way of particles, gravity, and explicit viscosity."""
+        half = 0.5 * self.system.h
+        return {
+            "signal": way_limit(half, cfl, measure.v_max, measure.a_max),
+            "force": force_limit(half, float(np.linalg.norm(self.system.gravity))),
+            "viscosity": viscosity_limit(half, self.system.spec.viscosity),
+        }
+
+    def start(self) -> None:
+        """Find densities and forces of the initial state, or of one that an event has changed."""
+        self.restore()
+        self.momentum.accelerate()
+
+    def restore(self) -> None:
+        """Go on from a checkpoint."""
+        self.system.find_neighbors()
+        self.examine(0.0)
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it."""
+        system, particles = self.system, self.system.particles
+        self.momentum.accelerate()
+        kick(system.count, dt, particles.velocity, particles.acceleration)
+        told = self.press(dt)
+        _move(system.count, dt, particles.position, particles.velocity)
+        system.find_neighbors()
+        self.examine(dt)
+        return told
+
+    def examine(self, dt: float) -> None:
+        """Find densities, and what else the solver needs, at the present positions."""
+        raise NotImplementedError
+
+    def press(self, dt: float) -> dict[str, float]:
+        """Find pressures and add what they do to velocities; returns the statistics."""
+        raise NotImplementedError
+
+
+@ti.kernel
+def kick(count: ti.i32, dt: real, velocity: Vec4Array, acceleration: Vec4Array):
+    """v += dt a."""
+    for i in range(count):
+        velocity[i].xyz += dt * acceleration[i].xyz
+
+
+@ti.kernel
+def _move(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array):
+    for i in range(count):
+        position[i].xyz += dt * velocity[i].xyz

@@ -1,0 +1,151 @@
+"""Accelerations of particles by all forces that are given by positions and velocities.
+
+a_i = -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij                                  Monaghan 1992, eq. 3.3
+    + 2 (dim + 2) nu sum_j m 2/(rho_i + rho_j) (v_ij.x_ij)/(x_ij^2 + 0.01 h^2) grad W_ij      Monaghan 2005, eq. 4.27
+    - kappa sum_j x_ij W(max(x_ij, d)) + g                                     Becker & Teschner 2007, eq. 15
+Solids add the derivative of what they add to the density (Akinci et al. 2012, eq. 9), and friction.
+"""
+
+import taichi as ti
+
+from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.fluid.forces import artificial, cohesion_coefficient, viscous
+from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.system import FluidSystem
+from sim.fluid.walls import wall_damping, wall_share
+from sim.neighbors import padded
+
+
+class Momentum:
+    """The forces that a specification asks for; what is zero is not compiled.
+
+    pressure: whether pressures are known from the positions. artificial, damping: artificial viscosity between
+    particles and against solids, alpha c h / 2 [m^2/s].
+    """
+
+    def __init__(self, system: FluidSystem, *, pressure: bool, artificial: float = 0.0, damping: float = 0.0):
+        spec = system.spec
+        self.system = system
+        self.pressure = pressure
+        self.artificial = artificial
+        self.damping = damping
+        self.cohesion = cohesion_coefficient(
+            spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
+        )
+
+    def accelerate(self) -> None:
+        """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
+        system = self.system
+        spec, particles, boundary, walls = system.spec, system.particles, system.boundary, system.walls
+        _accelerate(
+            system.count,
+            system.h,
+            spec.spacing,
+            system.mass,
+            spec.rest_density,
+            vec3(*system.gravity),
+            particles.position,
+            particles.velocity,
+            particles.acceleration,
+            system.neighbors.size,
+            system.neighbors.index,
+            boundary.count > 0,
+            boundary.samples,
+            boundary.neighbors.size,
+            boundary.neighbors.index,
+            walls.count,
+            walls.weight,
+            walls.planes,
+            self.pressure,
+            spec.viscosity > 0,
+            spec.viscosity,
+            self.artificial > 0,
+            self.artificial,
+            self.damping > 0,
+            self.damping,
+            spec.surface_tension > 0,
+            self.cohesion,
+        )
+
+
+@ti.kernel
+def _accelerate(
+    count: ti.i32,
+    h: real,
+    spacing: real,
+    mass: real,
+    rest_density: real,
+    gravity: vec3,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    acceleration: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_boundary: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    wall_count: ti.i32,
+    wall_weight: real,
+    planes: Vec4Array,
+    has_pressure: ti.template(),
+    has_viscosity: ti.template(),
+    viscosity: real,
+    has_artificial: ti.template(),
+    artificial_strength: real,
+    has_damping: ti.template(),
+    damping_strength: real,
+    has_cohesion: ti.template(),
+    cohesion: real,
+):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    slope_norm = norm * inverse_h * inverse_h
+    softening = 0.01 * h * h
+    closest = spacing * inverse_h
+    for i in range(count):
+        x, v = position[i], velocity[i]
+        a, pull = vec3(0.0), vec3(0.0)
+        if ti.static(has_pressure or has_viscosity or has_artificial or has_cohesion):
+            for k in range(padded(size[i])):
+                j = index[i, k]
+                xj = position[j]
+                d = x.xyz - xj.xyz
+                r2 = d.dot(d)
+                q = ti.sqrt(r2) * inverse_h
+                along = ti.cast(0.0, real)
+                if ti.static(has_pressure):
+                    along -= x.w + xj.w
+                if ti.static(has_viscosity or has_artificial):
+                    vj = velocity[j]
+                    approach = (v.xyz - vj.xyz).dot(d)
+                    friction = ti.cast(0.0, real)
+                    if ti.static(has_viscosity):
+                        friction += viscous(approach, viscosity)
+                    if ti.static(has_artificial):
+                        friction += artificial(approach, artificial_strength)
+                    along += 2.0 * friction / ((v.w + vj.w) * (r2 + softening))
+                a += along * cubic_slope(q) * d
+                if ti.static(has_cohesion):
+                    pull -= cubic(ti.max(q, closest)) * d
+        a = mass * slope_norm * a + cohesion * norm * pull
+        if ti.static(has_boundary and (has_pressure or has_viscosity or has_damping)):
+            for k in range(sample_size[i]):
+                b = samples[sample_index[i, k]]
+                d = x.xyz - b.xyz
+                r2 = d.dot(d)
+                friction = ti.cast(0.0, real)
+                if ti.static(has_viscosity):
+                    friction += viscous(v.xyz.dot(d), viscosity)
+                if ti.static(has_damping):
+                    friction += artificial(v.xyz.dot(d), damping_strength)
+                along = friction / (v.w * (r2 + softening))
+                if ti.static(has_pressure):
+                    along -= x.w
+                a += rest_density * slope_norm * b.w * along * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+        if ti.static(has_pressure):
+            a -= x.w * rest_density * wall_weight * wall_share(x.xyz, wall_count, planes, inverse_h).xyz
+        if ti.static(has_damping):
+            strength = damping_strength * rest_density * wall_weight / v.w
+            a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
+        acceleration[i].xyz = a + gravity

@@ -1,0 +1,224 @@
+"""Predictive-corrective incompressible SPH (Solenthaler & Pajarola 2009).
+
+Positions after the step are predicted, densities found there, and pressures raised by what these exceed the rest
+density, until that is little. The factor between the two is that of a particle inside the fluid:
+    p += delta (rho* - rho0), delta = rho0^2 / (2 dt^2 m^2 sum_j |grad W_ij|^2)             eq. 8, for a lattice
+Next to solids, whose density has the steep gradient G, it is less: |G_i|^2 is added to the sum.
+"""
+
+from typing import ClassVar
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.fluid.incompressible import BLOCKS, WORST, Incompressible, kick
+from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
+from sim.fluid.solids import solid_share
+from sim.fluid.system import FluidSystem
+from sim.neighbors import padded
+
+
+class Pcisph(Incompressible):
+    """Advances a FluidSystem."""
+
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: |G|^2 [kg^2/m^8]", sorted=False, saved=False),
+        Declared(
+            "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
+        ),
+    )
+
+    def __init__(self, system: FluidSystem, fastest_signal: float):
+        super().__init__(system, fastest_signal)
+        points = lattice(system.spec.spacing, system.h)
+        slope = cubic_slope_host(np.linalg.norm(points, axis=1), system.h)
+        self.lattice_sum = system.mass**2 * float((slope[:, None] ** 2 * points**2).sum())
+        self._sums = ti.ndarray(ti.f64, (BLOCKS, 2))
+
+    def examine(self, dt: float) -> None:
+        particles = self.system.particles
+        _predict(self.system.count, 0.0, particles.position, particles.velocity, particles.push, particles.predicted)
+        self._compress()
+        _keep_density(self.system.count, self.system.spec.rest_density, particles.velocity, particles.predicted)
+
+    def press(self, dt: float) -> dict[str, float]:
+        system, particles, settings = self.system, self.system.particles, self.settings
+        tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
+        _begin(system.count, particles.position, particles.push)
+        for iteration in range(1, settings.max_iterations + 1):
+            _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
+            mean, worst = self._compress()
+            good = mean <= tolerance and worst <= worst_allowed
+            if good and iteration >= settings.min_iterations:
+                break
+            self._raise(dt)
+        kick(system.count, dt, particles.velocity, particles.push)
+        return {"pressure_iterations": iteration, "capped": not good}
+
+    def _compress(self) -> tuple[float, float]:
+        """Compression at the predicted positions [kg/m^3]: written, and its mean and maximum."""
+        system = self.system
+        boundary, walls = system.boundary, system.walls
+        mean, worst = _compress(
+            system.count,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            system.particles.push,
+            system.particles.predicted,
+            system.neighbors.size,
+            system.neighbors.index,
+            boundary.count > 0,
+            boundary.samples,
+            boundary.neighbors.size,
+            boundary.neighbors.index,
+            walls.count,
+            walls.weight,
+            walls.planes,
+            self._sums,
+        )
+        return mean, worst
+
+    def _raise(self, dt: float) -> None:
+        """Raise pressures by what is compressed, and find the accelerations."""
+        system, particles = self.system, self.system.particles
+        boundary, walls = system.boundary, system.walls
+        _raise(
+            system.count,
+            0.5 / (dt * dt),
+            self.lattice_sum,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            particles.position,
+            particles.push,
+            particles.predicted,
+            system.neighbors.size,
+            system.neighbors.index,
+            boundary.count > 0,
+            boundary.samples,
+            boundary.neighbors.size,
+            boundary.neighbors.index,
+            walls.count,
+            walls.weight,
+            walls.planes,
+        )
+
+
+@ti.kernel
+def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array):
+    for i in range(count):
+        position[i].w = 0.0
+        push[i] = vec4(0.0)
+
+
+@ti.kernel
+def _predict(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, push: Vec4Array, predicted: Vec4Array):
+    for i in range(count):
+        predicted[i].xyz = position[i].xyz + dt * (velocity[i].xyz + dt * push[i].xyz)
+
+
+@ti.kernel
+def _keep_density(count: ti.i32, rest_density: real, velocity: Vec4Array, predicted: Vec4Array):
+    for i in range(count):
+        velocity[i].w = rest_density + predicted[i].w
+
+
+@ti.kernel
+def _compress(
+    count: ti.i32,
+    h: real,
+    mass: real,
+    rest_density: real,
+    push: Vec4Array,
+    predicted: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_boundary: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    wall_count: ti.i32,
+    wall_weight: real,
+    planes: Vec4Array,
+    sums: DoubleTable,
+) -> ti.types.vector(2, ti.f64):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    for i in range(count):
+        x = predicted[i].xyz
+        near = ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            near += cubic((x - predicted[index[i, k]].xyz).norm() * inverse_h)
+        near_solid = 0
+        if ti.static(has_boundary):
+            near_solid = sample_size[i]
+        share = solid_share(
+            x, i, near_solid, sample_index, samples, wall_count, wall_weight, planes, inverse_h, has_boundary
+        )
+        push[i].w = rest_density * rest_density * share.xyz.dot(share.xyz)
+        predicted[i].w = mass * norm * (near + 1 - (padded(size[i]) - size[i])) + rest_density * (share.w - 1.0)
+    for block in range(BLOCKS):
+        total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
+        for i in range(count * block // BLOCKS, count * (block + 1) // BLOCKS):
+            total += ti.max(predicted[i].w, 0.0)
+            worst = ti.max(worst, predicted[i].w)
+        sums[block, 0] = total
+        sums[block, 1] = worst
+    total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    ti.loop_config(serialize=True)
+    for block in range(BLOCKS):
+        total += sums[block, 0]
+        worst = ti.max(worst, sums[block, 1])
+    return ti.Vector([total / count, worst])
+
+
+@ti.kernel
+def _raise(
+    count: ti.i32,
+    factor: real,
+    lattice_sum: real,
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    push: Vec4Array,
+    predicted: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_boundary: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    wall_count: ti.i32,
+    wall_weight: real,
+    planes: Vec4Array,
+):
+    inverse_h = 1.0 / h
+    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    for i in range(count):
+        position[i].w = ti.max(position[i].w + factor / (lattice_sum + push[i].w) * predicted[i].w, 0.0)
+    for i in range(count):
+        x = position[i]
+        a = vec3(0.0)
+        for k in range(padded(size[i])):
+            xj = position[index[i, k]]
+            d = x.xyz - xj.xyz
+            a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
+        near_solid = 0
+        if ti.static(has_boundary):
+            near_solid = sample_size[i]
+        share = solid_share(
+            predicted[i].xyz,
+            i,
+            near_solid,
+            sample_index,
+            samples,
+            wall_count,
+            wall_weight,
+            planes,
+            inverse_h,
+            has_boundary,
+        )
+        push[i].xyz = strength * a - x.w * rest_density * share.xyz
