@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from sim.events import apply
-from sim.fluid import SOLVERS
 from sim.settings import Refused
 from sim.spec import BoxContainer, SimulationSpec
 
@@ -12,12 +11,6 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
     """Raise Refused for the first setting that the schema knows and no solver does yet."""
     if spec.cloth is not None:
         raise Refused("cloth is not simulated yet", location=("cloth",), remedy="remove the cloth from the scene")
-    if spec.fluid is not None and spec.fluid.solver not in SOLVERS:
-        raise Refused(
-            f"the pressure solver '{spec.fluid.solver}' is not available yet",
-            location=("fluid", "solver"),
-            remedy=f"use {' or '.join(sorted(SOLVERS))}",
-        )
     if spec.fluid is not None and not spec.fluid.bodies and not any(event.add.fluid for event in spec.events):
         remedy = "add fluid.bodies, or an event that adds one"
         raise Refused("the fluid has no bodies", location=("fluid",), remedy=remedy)

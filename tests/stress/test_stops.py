@@ -148,10 +148,11 @@ def test_what_is_not_finite_stops_the_run(simulate, monkeypatch):
     advance = Wcsph.advance
 
     def poisoned(self, dt):
-        advance(self, dt)
+        told = advance(self, dt)
         velocity = self.system.particles.velocity.to_numpy()
         velocity[7, 1] = np.nan
         self.system.particles.velocity.from_numpy(velocity)
+        return told
 
     monkeypatch.setattr(Wcsph, "advance", poisoned)
     out = simulate(pool(), 2, expect=3)

@@ -44,13 +44,6 @@ REPLACED = {
     "no frame": ("duration: 0.5", "duration: 1 ms", "duration", "0.012 frames", "0.0833333"),
     "quality": ("quality: draft", "quality: drft", "quality", "did you mean 'draft'?"),
     "solver": ("fluid:", "fluid:\n  solver: wcsp", "fluid.solver", "did you mean 'wcsph'?"),
-    "solver to come": (
-        "fluid:",
-        "fluid:\n  solver: dfsph",
-        "fluid.solver",
-        "'dfsph' is not available yet",
-        "use wcsph",
-    ),
     "dynamic": (PLACE, "motion: dynamic", "ball.motion", "'dynamic' are not simulated yet", "use motion: static"),
     "prescribed": (
         PLACE,
@@ -115,7 +108,6 @@ LINES = {
     "thinner than a particle": "shape: {type: box",
     "no keyframes": "motion:",
     "solver": "solver:",
-    "solver to come": "solver:",
     "prescribed": "motion:",
 }
 
