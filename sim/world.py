@@ -67,7 +67,7 @@ class World:
                     names.index(source.name),
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance),
+                    lambda points, clearance: allowed(self.obstacles, points, clearance, 0.0),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless
@@ -77,7 +77,7 @@ class World:
         """Build what steps; `going_on` takes accelerations as they are in `state`."""
         if state is None:
             return
-        from sim.coupling.fluid_rigid import boundary_samples
+        from sim.coupling.fluid_rigid import boundary_samples, pivots
         from sim.fluid.calibration import SAMPLE_DEPTH
         from sim.fluid.part import FluidPart, Surroundings
 
@@ -88,7 +88,7 @@ class World:
             self.gravity,
             self.origin,
             state,
-            Surroundings(self.obstacles.planes(), samples, owner),
+            Surroundings(self.obstacles.planes(), samples, owner, pivots(self.obstacles)),
             drop=max((self._extent_up(source.bounds)[1] for source in self.sources), default=0.0) - self.floor,
             fastest=max((float(np.linalg.norm(source.velocity)) for source in self.sources), default=0.0),
         )

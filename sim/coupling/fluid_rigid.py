@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
+from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.offset import inset
 from sim.geometry.sampling import sample_surface
@@ -21,7 +23,7 @@ def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> tupl
     """Samples of all surfaces and the index in `obstacles.placed` of the body of each.
 
     They lie `depth` [m] below the surface, on the side away from the fluid, so that fluid comes to
-    rest on the surface itself. Shapes [n, 3] and [n].
+    rest on the surface itself. Those of bodies that move lie where the body is placed. Shapes [n, 3] and [n].
     """
     points, owner = [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
     for index, item in enumerate(obstacles.placed):
@@ -31,16 +33,36 @@ def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> tupl
     return np.concatenate(points), np.concatenate(owner)
 
 
-def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float) -> np.ndarray:
-    """Whether fluid can be at `points` [m], shape [n, 3]: `clearance` off every solid; shape [n]."""
+def pivots(obstacles: Obstacles) -> dict[int, np.ndarray]:
+    """The own origins [m] of the bodies that move, as they are placed, by their index in `obstacles.placed`."""
+    return {index: item.motion.pivot for index, item in enumerate(obstacles.placed) if item.motion}
+
+
+def motions(obstacles: Obstacles, origin: np.ndarray, time: float) -> np.ndarray:
+    """How the bodies that move have moved by `time` [s], as `sim.fluid.moving` wants it: shape [bodies, MOTION].
+
+    Coordinates are relative to `origin` [m].
+    """
+    rows = [
+        np.concatenate((now.rotation.ravel(), now.position - origin, now.velocity, now.angular_velocity))
+        for now in (item.movement(time) for item in obstacles.placed)
+        if now is not None
+    ]
+    return np.array(rows).reshape(-1, MOTION)
+
+
+def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
+    """Whether fluid can be at `points` [m], shape [n, 3], at `time` [s]: `clearance` off every solid; shape [n]."""
     free = np.ones(len(points), dtype=bool)
     for wall in obstacles.walls:
         free &= points @ wall.normal - wall.offset > clearance
     for item in obstacles.placed:
+        movement = item.movement(time)
+        placed = movement.carry_back(points) if movement else points
         low, high = item.solid.bounds
-        near = np.all((points > low - clearance) & (points < high + clearance), axis=1)
+        near = np.all((placed > low - clearance) & (placed < high + clearance), axis=1)
         distance = np.full(len(points), np.inf)
-        distance[near & free] = item.solid.signed_distance(points[near & free])
+        distance[near & free] = item.solid.signed_distance(placed[near & free])
         free &= (distance < -clearance) if item.hollow else (distance > clearance)
     return free
 
@@ -76,10 +98,12 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     r = np.linalg.norm(d, axis=1)
     approach = (velocity[pairs.row, :3] * d).sum(axis=1)
     along = -position[pairs.row, 3]
-    friction = 10.0 * system.spec.viscosity * approach
-    friction += system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
-    along += friction / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
-    strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along * cubic_slope_host(r, system.h)
+    damping = system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
+    along += damping / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
+    grip = find_grip(system.spec)
+    friction = grip.samples * sample_friction_host(r, approach, grip.nearest, system.h) / velocity[pairs.row, 3]
+    along = along * cubic_slope_host(r, system.h) + friction
+    strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along
     force = -strength[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)
     return force.sum(axis=0), torque.sum(axis=0)

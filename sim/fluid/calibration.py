@@ -65,10 +65,19 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
 
 def sample_weight(spacing: float, h: float) -> float:
     """Factor on the volume of boundary samples, `SAMPLE_DEPTH` below the surface, that makes the density right."""
+    distance = (SAMPLE_DEPTH + 0.5) * spacing
+    near = cubic_host(np.hypot(_across(spacing, h), distance), h).sum()
+    return lack(spacing, h).density / (sample_volume(spacing, h) * float(near))
+
+
+def sample_volume(spacing: float, h: float) -> float:
+    """Volume [m^3] of a boundary sample in a square lattice, without weight (Akinci et al. 2012, eq. 4)."""
+    return 1.0 / float(cubic_host(_across(spacing, h), h).sum())
+
+
+def _across(spacing: float, h: float) -> np.ndarray:
+    """Distances [m] of the points of a square lattice from one of them, shape [n]."""
     reach = int(np.ceil(h / spacing))
     axis = np.arange(-reach, reach + 1) * spacing
     x, z = np.meshgrid(axis, axis)
-    across = np.hypot(x, z).ravel()
-    volume = 1.0 / cubic_host(across, h).sum()
-    distance = (SAMPLE_DEPTH + 0.5) * spacing
-    return lack(spacing, h).density / float(volume * cubic_host(np.hypot(across, distance), h).sum())
+    return np.hypot(x, z).ravel()

@@ -38,7 +38,7 @@ class Incompressible:
         """Largest stable time steps [s]: the way of particles, gravity, and explicit viscosity."""
         half = 0.5 * self.system.h
         return {
-            "signal": way_limit(half, cfl, measure.v_max, measure.a_max),
+            "signal": way_limit(half, cfl, measure.v_max + self.system.boundary.speed, measure.a_max),
             "force": force_limit(half, float(np.linalg.norm(self.system.gravity))),
             "viscosity": viscosity_limit(half, self.system.spec.viscosity),
         }
@@ -54,10 +54,14 @@ class Incompressible:
         self.examine(0.0)
 
     def advance(self, dt: float) -> dict[str, float]:
-        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it."""
+        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it.
+
+        Solids are where they will be after the step when pressures are found, which keep the fluid out of there.
+        """
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
         kick(system.count, dt, particles.velocity, particles.acceleration)
+        system.boundary.move()
         told = self.press(dt)
         _move(system.count, dt, particles.position, particles.velocity)
         system.find_neighbors()

@@ -59,12 +59,14 @@ class FluidState:
 class Surroundings:
     """What the fluid meets: walls and boundary samples in world coordinates [m].
 
-    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample.
+    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample;
+    pivots: by index the own origins, shape [3], of bodies that move, whose samples are where the bodies are placed.
     """
 
     planes: np.ndarray
     samples: np.ndarray
     owner: np.ndarray
+    pivots: dict[int, np.ndarray]
 
 
 def pour(
@@ -113,7 +115,8 @@ def _radius_for(count: int, fluid: Fluid) -> float:
 class FluidPart:
     """Particles, surroundings and solver, built for one number of particles.
 
-    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest initial speed [m/s].
+    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest speed [m/s] at the
+    start, or of a body at any time.
     """
 
     def __init__(
@@ -132,7 +135,9 @@ class FluidPart:
         planes[:, 3] -= planes[:, :3] @ origin
         solver = load_solver(fluid.solver)
         reach = h * (1 + solver.SKIN)
-        boundary = Boundary(surroundings.samples - origin, surroundings.owner, fluid.spacing, h, reach)
+        pivots = {index: pivot - origin for index, pivot in surroundings.pivots.items()}
+        samples = surroundings.samples - origin
+        boundary = Boundary(samples, surroundings.owner, fluid.spacing, h, reach, pivots)
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity

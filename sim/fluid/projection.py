@@ -24,7 +24,7 @@ import taichi as ti
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.incompressible import BLOCKS, WORST
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.solids import solid_share
+from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
@@ -93,6 +93,8 @@ class Projection:
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
+            boundary.moves,
+            boundary.velocity,
             walls.count,
             walls.weight,
             walls.planes,
@@ -177,6 +179,8 @@ def _prepare(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
+    has_motion: ti.template(),
+    sample_velocity: Vec4Array,
     wall_count: ti.i32,
     wall_weight: real,
     planes: Vec4Array,
@@ -213,6 +217,10 @@ def _prepare(
         d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
         compression = dt * (mass * slope_norm * rate + v.dot(gradient))
+        if ti.static(has_motion):
+            compression += (
+                dt * rest_density * approach(x, i, near_solid, sample_index, samples, sample_velocity, inverse_h)
+            )
         source[i] = ti.select(size[i] < fewest_neighbors, -rest_density, compression)
 
 

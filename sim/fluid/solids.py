@@ -32,3 +32,22 @@ def solid_share(
             share += norm * b.w * cubic(q)
             gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
     return vec4(gradient, share) + wall_weight * wall_share(x, wall_count, planes, inverse_h)
+
+
+@ti.func
+def approach(
+    x: vec3,
+    row: ti.i32,
+    samples_near: ti.i32,
+    sample_index: IntTable,
+    samples: Vec4Array,
+    sample_velocity: Vec4Array,
+    inverse_h: real,
+) -> real:
+    """Rate [1/s] at which the motion of the samples alone raises the share of the solids at x."""
+    rate = ti.cast(0.0, real)
+    for k in range(samples_near):
+        b = sample_index[row, k]
+        d = x - samples[b].xyz
+        rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
+    return 8.0 / ti.math.pi * inverse_h**5 * rate

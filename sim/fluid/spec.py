@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Gt, Le
+from pydantic import Field, model_validator
 
-from sim.geometry.spec import ClosedShape, Placement
+from sim.geometry.spec import ClosedShape, MeshFace, Placement
 from sim.settings import Name, Settings
 from sim.units import (
     Density,
     Dimensionless,
+    Duration,
     KinematicViscosity,
+    PositiveDuration,
     PositiveLength,
     PositiveSpeed,
     SurfaceTension,
     Velocity,
+    VolumeRate,
 )
 
 
@@ -25,6 +29,62 @@ class FluidBody(Placement):
     shape: ClosedShape
     velocity: Velocity = (0.0, 0.0, 0.0)
     """Initial velocity of every particle [m/s]."""
+
+
+class Disc(Settings):
+    """A round outlet around its centre, its direction along y."""
+
+    type: Literal["disc"]
+    radius: PositiveLength
+
+
+class Rectangle(Settings):
+    """A rectangular outlet around its centre, its direction along y."""
+
+    type: Literal["rectangle"]
+    size: tuple[PositiveLength, PositiveLength]
+    """Edge lengths along x and z [m]."""
+
+
+class Timed(Placement):
+    """What works for a part of the time."""
+
+    start: Duration = 0.0
+    """When it begins [s]."""
+    stop: PositiveDuration | None = None
+    """When it ends [s]; without it, never."""
+
+    @model_validator(mode="after")
+    def _starts_before_it_stops(self) -> Self:
+        if self.stop is not None and self.stop <= self.start:
+            raise ValueError(f"stop ({self.stop:g} s) must be later than start ({self.start:g} s)")
+        return self
+
+
+class Emitter(Timed):
+    """An outlet through which fluid comes in, along the shape's own y axis as it is turned.
+
+    Exactly one of speed and rate is given. The fluid moves straight on at this speed for one support radius, as in a
+    nozzle of that length, and is free from there.
+    """
+
+    shape: Annotated[Disc | Rectangle | MeshFace, Field(discriminator="type")]
+    speed: PositiveSpeed | None = None
+    """Speed of the fluid [m/s]."""
+    rate: VolumeRate | None = None
+    """Volume that comes in per second [m^3/s]; the speed follows from it and the area that the particles cover."""
+
+    @model_validator(mode="after")
+    def _speed_or_rate(self) -> Self:
+        if (self.speed is None) == (self.rate is None):
+            raise ValueError("an emitter needs exactly one of speed and rate")
+        return self
+
+
+class Drain(Timed):
+    """A volume in which fluid vanishes."""
+
+    shape: ClosedShape
 
 
 class Wcsph(Settings):
@@ -63,16 +123,24 @@ class Fluid(Settings):
     """Half the spacing of the particles [m]: halving it costs about 16 times the time."""
     bodies: dict[Name, FluidBody] = {}
     """The volumes that hold fluid at the start, by name; events may add more."""
+    emitters: dict[Name, Emitter] = {}
+    """Outlets through which fluid comes in, by name."""
+    drains: dict[Name, Drain] = {}
+    """Volumes in which fluid vanishes, by name."""
     solver: Literal["wcsph", "pcisph", "iisph", "dfsph"] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
     rest_density: Density = 1000.0
     viscosity: KinematicViscosity = 1e-6
     """Kinematic viscosity [m^2/s]: water 1e-6, honey about 7e-3."""
+    wall_slip: Literal["no_slip", "free_slip"] = "no_slip"
+    """Whether solids slow the fluid along their surface: with `no_slip` it sticks to them, in proportion to
+    `viscosity`."""
     surface_tension: SurfaceTension = 0.0
     """Coefficient of surface tension [N/m]: water in air 0.072."""
     max_particles: Annotated[int, Gt(0), Le(50_000_000)] = 5_000_000
-    """More fluid particles than this are refused before the simulation starts."""
+    """More fluid particles than this are refused before the simulation starts; emitters pause while there are
+    so many."""
     wcsph: Wcsph = Wcsph()
     pcisph: Incompressible = Incompressible()
     iisph: Incompressible = Incompressible()

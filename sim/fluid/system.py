@@ -1,6 +1,7 @@
 """The fluid's particles and their surroundings: what every pressure solver shares."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import taichi as ti
@@ -43,6 +44,14 @@ STILL = Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
+class Exchange(Protocol):
+    """Particles that come, are led, and go."""
+
+    def lead(self) -> None: ...
+
+    def exchange(self, dt: float) -> bool: ...
+
+
 class FluidSystem:
     """Particles, their neighbours, and the solids around them, in coordinates relative to the world's origin.
 
@@ -75,6 +84,7 @@ class FluidSystem:
         self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
         self.measured = STILL
         """What the last measure said."""
+        self.flow: Exchange | None = None
 
     @property
     def count(self) -> int:
@@ -90,6 +100,16 @@ class FluidSystem:
         checkpoint does the same."""
         self.grid.fit(self.count)
         self._way_left = 0.0
+
+    def exchange(self, dt: float) -> None:
+        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet."""
+        if self.flow and self.flow.exchange(dt):
+            self._way_left = 0.0
+
+    def lead(self) -> None:
+        """Give back their velocity to particles that no force is to move."""
+        if self.flow:
+            self.flow.lead()
 
     def find_neighbors(self, way: float = float("inf")) -> None:
         """Sort the particles by cell and list their neighbours, of the fluid and of the boundary.

@@ -42,7 +42,7 @@ class Wcsph:
         """Largest stable time steps [s]: sound, force and viscosity (Monaghan 1992, sec. 10)."""
         half = 0.5 * self.system.h
         return {
-            "signal": cfl * half / (self.speed_of_sound + measure.v_max),
+            "signal": cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed),
             "force": force_limit(half, measure.a_max),
             "viscosity": viscosity_limit(half, self.system.spec.viscosity + 0.1 * self.artificial),
         }
@@ -56,9 +56,11 @@ class Wcsph:
 
     def advance(self, dt: float) -> dict[str, float]:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
-        particles, last = self.system.particles, self.system.measured
+        particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
+        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
-        self._accelerate(dt * (last.v_max + dt * last.a_max))
+        boundary.move()
+        self._accelerate(way)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
         return {}
 
