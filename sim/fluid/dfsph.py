@@ -1,7 +1,8 @@
 """Divergence-free SPH (Bender & Koschier 2015, 2017).
 
 One system of equations keeps densities at rest density after the step, as in IISPH; a second one takes from the
-velocities at the new positions what would compress the fluid further. Both start from their own last pressures.
+velocities at the new positions what would compress the fluid further, where that is more than is asked for. Both start
+from their own last pressures.
 """
 
 from typing import ClassVar
@@ -22,10 +23,11 @@ class Dfsph(Iisph):
         """The step of IISPH, and the divergence solve after it; acceleration.w keeps the pressures of the latter."""
         told = super().advance(dt)
         count, particles, settings = self.system.count, self.system.particles, self.settings
-        _swap(count, particles.position, particles.acceleration)
         tolerance = settings.divergence_error * self.system.spec.rest_density
-        solution = self.projection.solve(dt, tolerance, 1, settings.max_iterations)
-        kick(count, dt, particles.velocity, particles.kept)
+        _swap(count, particles.position, particles.acceleration)
+        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations)
+        if solution.iterations:
+            kick(count, dt, particles.velocity, particles.kept)
         _swap(count, particles.position, particles.acceleration)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped

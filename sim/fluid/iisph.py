@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from sim.arrays import Declared
 from sim.fluid import projection
+from sim.fluid.conjugate_gradients import ConjugateGradients
 from sim.fluid.incompressible import Incompressible, kick
 from sim.fluid.projection import Projection
 from sim.fluid.system import FluidSystem
@@ -17,6 +18,7 @@ class Iisph(Incompressible):
     def __init__(self, system: FluidSystem, fastest_signal: float):
         super().__init__(system, fastest_signal)
         self.projection = Projection(system)
+        self.gradients = ConjugateGradients(system)
 
     def examine(self, dt: float) -> None:
         self.projection.prepare(dt)
@@ -25,6 +27,6 @@ class Iisph(Incompressible):
         system, settings = self.system, self.settings
         self.projection.predict(dt)
         tolerance = settings.density_error * system.spec.rest_density
-        solution = self.projection.solve(dt, tolerance, settings.min_iterations, settings.max_iterations)
+        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations)
         kick(system.count, dt, system.particles.velocity, system.particles.kept)
         return {"pressure_iterations": solution.iterations, "capped": solution.capped}

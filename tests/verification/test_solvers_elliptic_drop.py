@@ -66,7 +66,7 @@ def draw(out, solver: str, across: int) -> dict[float, tuple[float, float]]:
 
 def test_the_closed_form():
     for time, axes in AXES.items():
-        assert exact(time / RATE) == pytest.approx(axes, rel=0.001)
+        assert exact(time / RATE) == pytest.approx(axes, abs=5e-4)
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
