@@ -1,15 +1,11 @@
 """Divergence-free SPH (Bender & Koschier 2015, 2017).
 
 One system of equations keeps densities at rest density after the step, as in IISPH; a second one takes from the
-velocities at the new positions what would compress the fluid further, where that is more than is asked for. Both start
-from their own last pressures.
+velocities at the new positions what would compress the fluid further, where that is more than is asked for.
 """
 
 from typing import ClassVar
 
-import taichi as ti
-
-from sim.arrays import Vec4Array
 from sim.fluid.iisph import Iisph
 from sim.fluid.incompressible import kick
 
@@ -20,24 +16,13 @@ class Dfsph(Iisph):
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations", "divergence_iterations")
 
     def advance(self, dt: float) -> dict[str, float]:
-        """The step of IISPH, and the divergence solve after it; acceleration.w keeps the pressures of the latter."""
+        """The step of IISPH, and the divergence solve after it."""
         told = super().advance(dt)
-        count, particles, settings = self.system.count, self.system.particles, self.settings
+        particles, settings = self.system.particles, self.settings
         tolerance = settings.divergence_error * self.system.spec.rest_density
-        _swap(count, particles.position, particles.acceleration)
-        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations)
+        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
         if solution.iterations:
-            kick(count, dt, particles.velocity, particles.kept)
-        _swap(count, particles.position, particles.acceleration)
+            kick(self.system.count, dt, particles.velocity, particles.kept)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped
         return told
-
-
-@ti.kernel
-def _swap(count: ti.i32, position: Vec4Array, acceleration: Vec4Array):
-    """Exchange the pressures of the two systems of equations."""
-    for i in range(count):
-        q = position[i].w
-        position[i].w = acceleration[i].w
-        acceleration[i].w = q

@@ -27,6 +27,6 @@ class Iisph(Incompressible):
         system, settings = self.system, self.settings
         self.projection.predict(dt)
         tolerance = settings.density_error * system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations)
+        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
         kick(system.count, dt, system.particles.velocity, system.particles.kept)
         return {"pressure_iterations": solution.iterations, "capped": solution.capped}

@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real
-from sim.fluid.limits import force_limit, viscosity_limit, way_limit
+from sim.fluid.limits import fall_limit, viscosity_limit, way_limit
 from sim.fluid.momentum import Momentum
 from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
@@ -39,7 +39,7 @@ class Incompressible:
         half = 0.5 * self.system.h
         return {
             "signal": way_limit(half, cfl, measure.v_max + self.system.boundary.speed, measure.a_max),
-            "force": force_limit(half, float(np.linalg.norm(self.system.gravity))),
+            "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
             "viscosity": viscosity_limit(half, self.system.spec.viscosity),
         }
 

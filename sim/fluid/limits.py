@@ -8,9 +8,18 @@ def force_limit(half: float, acceleration: float) -> float:
     return 0.25 * math.sqrt(half / acceleration) if acceleration > 0 else math.inf
 
 
+def fall_limit(half: float, gravity: float) -> float:
+    """0.1 sqrt(half / g) [s]: who falls by more than a hundredth of `half` before pressures answer, heats the fluid."""
+    return 0.1 * math.sqrt(half / gravity) if gravity > 0 else math.inf
+
+
 def viscosity_limit(half: float, viscosity: float) -> float:
-    """0.125 half^2 / nu [s], for explicit viscosity [m^2/s]."""
-    return 0.125 * half * half / viscosity if viscosity > 0 else math.inf
+    """0.05 half^2 / nu [s], for explicit viscosity [m^2/s].
+
+    The friction of a particle between others at rest has the rate 10 nu / half^2, that of neighbours that move against
+    each other twice as much; up to 1 over this rate nothing overshoots.
+    """
+    return 0.05 * half * half / viscosity if viscosity > 0 else math.inf
 
 
 def way_limit(half: float, cfl: float, speed: float, acceleration: float) -> float:

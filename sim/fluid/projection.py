@@ -25,7 +25,13 @@ from sim.neighbors import padded
 ARRAYS = (
     Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: s + dt^2 L q [kg/m^3]", sorted=False, saved=False),
     Declared("kept", "vec4", "as push, of the best pressures found", sorted=False, saved=False),
-    Declared("search", "vec4", "the best pressures found as q, and the last change of them", sorted=False, saved=False),
+    Declared(
+        "search",
+        "vec4",
+        "the best pressures found as q, their last change, and position.w before",
+        sorted=False,
+        saved=False,
+    ),
     Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]; w: that density [kg/m^3]", False, False),
     Declared("diagonal", "real", "D [kg^2/m^8]", sorted=False, saved=False),
     Declared("source", "real", "predicted compression s [kg/m^3]", sorted=False, saved=False),

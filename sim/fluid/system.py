@@ -16,7 +16,7 @@ from sim.neighbors import HashGrid, NeighborList
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
     Declared("velocity", "vec4", "m/s; w: density [kg/m^3]"),
-    Declared("acceleration", "vec4", "m/s^2; w: as position's, of a solver's second system of equations"),
+    Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
 )
 
