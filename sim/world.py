@@ -105,7 +105,7 @@ class World:
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "viscosity":
-                remedy = "use a lower fluid.viscosity, or larger particles"
+                remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
                 return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy
         speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"

@@ -8,9 +8,11 @@ def force_limit(half: float, acceleration: float) -> float:
     return 0.25 * math.sqrt(half / acceleration) if acceleration > 0 else math.inf
 
 
-def viscosity_limit(half: float, viscosity: float) -> float:
-    """0.125 half^2 / nu [s], for explicit viscosity [m^2/s]."""
-    return 0.125 * half * half / viscosity if viscosity > 0 else math.inf
+def viscosity_limit(half: float, viscosity: float, strongest: float = 0.0) -> float:
+    """0.125 half^2 / nu [s], for explicit viscosity [m^2/s]: twice the time in which the velocities of neighbours
+    become equal. `strongest`: what solids add to that rate, times the support radius squared [m^2/s]."""
+    rate = 16.0 * viscosity + 0.25 * strongest
+    return 2.0 * half * half / rate if rate > 0 else math.inf
 
 
 def way_limit(half: float, cfl: float, speed: float, acceleration: float) -> float:

@@ -11,8 +11,9 @@ import taichi as ti
 
 from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
-from sim.fluid.friction import find_grip, sample_friction, wall_friction
+from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
 from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.limits import viscosity_limit
 from sim.fluid.system import FluidSystem
 from sim.fluid.walls import wall_damping, wall_share
 from sim.neighbors import padded
@@ -31,10 +32,17 @@ class Momentum:
         self.pressure = pressure
         self.artificial = artificial
         self.damping = damping
-        self.grip = find_grip(spec)
+        self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
+        solids = system.walls.count > 0 or system.boundary.count > 0
+        self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion = cohesion_coefficient(
             spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
         )
+
+    def step_limits(self) -> dict[str, float]:
+        """Largest stable time steps [s] that do not depend on the particles' motion."""
+        explicit = self.viscosity + 0.1 * self.artificial
+        return {"viscosity": viscosity_limit(0.5 * self.system.h, explicit, self.grip.strongest)}
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
@@ -63,8 +71,8 @@ class Momentum:
             walls.setback,
             walls.planes,
             self.pressure,
-            spec.viscosity > 0,
-            spec.viscosity,
+            self.viscosity > 0,
+            self.viscosity,
             self.grip.walls > 0,
             self.grip.samples,
             self.grip.nearest,

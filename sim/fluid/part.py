@@ -11,6 +11,7 @@ import numpy as np
 from sim.arrays import numpy_real
 from sim.fluid import load_solver
 from sim.fluid.boundary import Boundary
+from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
@@ -141,9 +142,12 @@ class FluidPart:
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
-        self.system = FluidSystem(fluid, gravity, walls, boundary, solver.ARRAYS, solver.SKIN)
-        self.system.load(vars(state))
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
+        signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
+        implicit = viscosity_is_implicit(fluid, gravity, signal)
+        arrays = solver.ARRAYS + mixing_arrays(fluid, implicit)
+        self.system = FluidSystem(fluid, gravity, walls, boundary, arrays, solver.SKIN, implicit)
+        self.system.load(vars(state))
         self.solver = solver(self.system, self.fastest_signal)
 
     @property
