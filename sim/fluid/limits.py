@@ -15,6 +15,12 @@ def viscosity_limit(half: float, viscosity: float, strongest: float = 0.0) -> fl
     return 2.0 * half * half / rate if rate > 0 else math.inf
 
 
+def capillary_limit(half: float, surface_tension: float, density: float) -> float:
+    """sqrt(rho half^3 / (4 pi sigma)) [s]: the shortest capillary wave goes its length (Brackbill et al. 1992, eq. 61);
+    surface_tension [N/m]."""
+    return math.sqrt(density * half**3 / (4.0 * math.pi * surface_tension)) if surface_tension > 0 else math.inf
+
+
 def way_limit(half: float, cfl: float, speed: float, acceleration: float) -> float:
     """The step t [s] in which a particle moves `cfl` times `half`: v t + a t^2 = cfl half."""
     way = cfl * half
