@@ -26,7 +26,7 @@ def adhesion_host(q: np.ndarray) -> np.ndarray:
 def wall_adhesion_host(q: np.ndarray) -> np.ndarray:
     """G / h^3 at distances q h from a wall, by quadrature."""
     weight = adhesion_host(_Q) * _STEP
-    return np.array([np.pi * float((weight * (_Q > y) * (_Q**2 - y * y)).sum()) for y in np.atleast_1d(q)])
+    return np.array([np.pi * float((weight * (y < _Q) * (_Q**2 - y * y)).sum()) for y in np.atleast_1d(q)])
 
 
 def _fit() -> tuple[tuple[float, float], tuple[float, ...]]:

@@ -2,8 +2,9 @@
 
 a_i = -gamma sum_j 2 rho0 / (rho_i + rho_j) [c m C(r) x_ij / r + n_i - n_j],    n_i = h sum_j m / rho_j grad W_ij
 C(r) = 32 / (pi h^9) { (h - r)^3 r^3 beyond h/2,  2 (h - r)^3 r^3 - h^6 / 64 up to there }            eq. 1 to 5
-C attracts beyond some distance and repels below. The paper's two terms are in proportion for water; c = 1000 kg/m^3
-over the rest density keeps that for other fluids. Pair forces are equal and opposite.
+C attracts beyond some distance and repels below; the pull presses the layers of the surface apart, and so lets the
+pressure along it fall. The proportion c of the two, which in the paper depends on the unit of mass, is BALANCE over the
+rest density. Pair forces are equal and opposite.
 """
 
 import numpy as np
@@ -16,9 +17,11 @@ from sim.neighbors import padded
 
 ARRAYS = (Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),)
 
-BALANCE = 1000.0
-"""c times the rest density [kg/m^3]."""
-AREA = 0.671
+BALANCE = 200.0
+"""c times the rest density [kg/m^3]. With 1000, as in the paper for water in SI units, cohesion presses the particles
+together with many times the pressure that the tension causes, and a drop creeps like a paste: its oscillation is damped
+six times as fast. Without it the second term scatters the particles."""
+AREA = 0.331
 """What the second term adds to the tension of a flat surface, times m / (gamma rho0^2 h^5), by the mechanical
 definition: half the integral over all pairs of n_i - n_j along their distance, along z. Its forces run across the
 surface and press the layers apart, so that the pressure between them, which acts along the surface too, is less."""
