@@ -3,8 +3,8 @@
 a_i = -gamma sum_j 2 rho0 / (rho_i + rho_j) [c m C(r) x_ij / r + n_i - n_j],    n_i = h sum_j m / rho_j grad W_ij
 C(r) = 32 / (pi h^9) { (h - r)^3 r^3 beyond h/2,  2 (h - r)^3 r^3 - h^6 / 64 up to there }            eq. 1 to 5
 C attracts beyond some distance and repels below; the pull presses the layers of the surface apart, and so lets the
-pressure along it fall. The proportion c of the two, which in the paper depends on the unit of mass, is BALANCE over the
-rest density. Pair forces are equal and opposite.
+pressure along it fall. The proportion c of the two depends on the unit of mass in the paper, here it is the same
+for all fluids and resolutions. Pair forces are equal and opposite.
 """
 
 import numpy as np
@@ -17,10 +17,10 @@ from sim.neighbors import padded
 
 ARRAYS = (Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),)
 
-BALANCE = 200.0
-"""c times the rest density [kg/m^3]. With 1000, as in the paper for water in SI units, cohesion presses the particles
-together with many times the pressure that the tension causes, and a drop creeps like a paste: its oscillation is damped
-six times as fast. Without it the second term scatters the particles."""
+BALANCE = 25.0
+"""c m / h^3. With 125, the paper's for water at h = 2 d in SI units, cohesion presses the particles together with many
+times the pressure that the tension causes, and a drop creeps like a paste: its oscillation is damped six times as fast.
+Without cohesion the second term scatters the particles."""
 AREA = 0.331
 """What the second term adds to the tension of a flat surface, times m / (gamma rho0^2 h^5), by the mechanical
 definition: half the integral over all pairs of n_i - n_j along their distance, along z. Its forces run across the
@@ -33,7 +33,7 @@ def strength(surface_tension: float, spacing: float, h: float, rest_density: flo
     q = (np.arange(2000) + 0.5) / 2000
     bell = (1.0 - q) ** 3 * q**3
     c = 32.0 / np.pi * np.where(q < 0.5, 2.0 * bell - 1.0 / 64.0, bell)
-    share = np.pi / 8.0 * BALANCE * float((q**4 * c).mean()) + AREA * (h / spacing) ** 3
+    share = (np.pi / 8.0 * BALANCE * float((q**4 * c).mean()) + AREA) * (h / spacing) ** 3
     return surface_tension / (rest_density * h * h * share)
 
 
@@ -88,7 +88,6 @@ def _accelerate(
 ):
     inverse_h = 1.0 / h
     slope_norm = 8.0 / ti.math.pi * inverse_h**5
-    attraction = BALANCE / rest_density * mass * inverse_h**3
     for i in range(count):
         x = position[i].xyz
         n = vec3(0.0)
@@ -104,6 +103,6 @@ def _accelerate(
             nj = normal[index[i, k]]
             d = x - position[index[i, k]].xyz
             r = ti.max(d.norm(), 1e-6 * h)
-            pull = attraction * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
+            pull = BALANCE * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
             a -= 2.0 * rest_density / (n.w + nj.w) * pull
         acceleration[i].xyz += strength * a

@@ -68,7 +68,7 @@ def stress(out, frame: int) -> tuple[float, float]:
     np.add.at(normal, i, H * mass * gradient / rho[j, None])
     np.add.at(normal, j, -H * mass * gradient / rho[i, None])
     force = -(mass**2) * (q[i] + q[j]) * slope(r) * r**2
-    pull = 200 / RHO * mass * cohesion(r) * r + ((normal[i] - normal[j]) * d).sum(axis=1)
+    pull = 25 * H**3 * cohesion(r) * r + ((normal[i] - normal[j]) * d).sum(axis=1)
     force -= mass * strength(SIGMA, SPACING, H, RHO) * 2 * RHO / (rho[i] + rho[j]) * pull
     inner = np.linalg.norm(x, axis=1) < 0.6 * radius
     share = 0.5 * (inner[i] + 0.0 + inner[j])
@@ -85,8 +85,9 @@ def test_the_pressure_in_a_drop_is_laplaces(tmp_path, cells):
 
 
 def test_a_drop_oscillates_as_lamb_says(tmp_path):
-    """omega^2 = 8 sigma / (rho R^3) for the mode that makes it longer and shorter (Lamb 1932, art. 275), so half a
-    period ends after t = pi / omega. To 15 %: the tension of a surface so curved, R = 8 d, is less than a flat one's."""
+    """omega^2 = 8 sigma / (rho R^3) for the mode that makes it longer and shorter (Lamb 1932, art. 275), so half
+    a period ends after t = pi / omega. To 15 %: the tension of a surface so curved, R = 8 d, is less than a flat one's.
+    """
     omega = np.sqrt(8.0) / 5  # over the frame rate
     spec, start = drop(8), 10
     speed = 0.15 * omega * spec["fps"]
@@ -104,8 +105,8 @@ def test_a_drop_oscillates_as_lamb_says(tmp_path):
 
 @pytest.mark.parametrize("model", ["becker2007", "akinci2013"])
 def test_a_cube_becomes_a_ball(tmp_path, model):
-    """Corners of a cube are sqrt(3) times as far out as its faces; of a ball, as near. The attraction of Becker & Teschner
-    packs particles so tightly that they keep some of their shape."""
+    """Corners of a cube are sqrt(3) times as far out as its faces; of a ball, as near. The attraction of Becker &
+    Teschner packs particles so tightly that they keep some of their shape."""
     spec = drop(6, "cube", surface_tension_model=model, viscosity=thick(6) / 10)
     run(spec, tmp_path, 15)
     first, last = (positions(read_frame(tmp_path, frame)) for frame in (0, 15))
