@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
+from sim.fluid.mixing import viscosity_is_implicit
+from sim.fluid.spec import Fluid
 from tests.particles import read_table
 from tests.solvers import SOLVERS
 from tests.stress.scenes import contents, pool, run_segment
@@ -37,6 +40,26 @@ def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
         parts = (contents(first, pattern) if "fluid" in pattern else {}) | contents(second, pattern)
         assert parts == contents(whole, pattern)
     assert read_table(whole / "steps.csv")["viscosity_iterations"].max() > 0
+
+
+@pytest.mark.parametrize(
+    ("viscosity", "solver", "chosen"),
+    [
+        (1e-6, "dfsph", False),
+        (7e-3, "dfsph", True),
+        (1e-6, "wcsph", False),
+        (7e-3, "wcsph", False),
+        (10, "wcsph", True),
+    ],
+)
+def test_the_viscosity_solver_that_allows_longer_steps_is_chosen(viscosity, solver, chosen):
+    """Water and honey, with signals of 0.5 m/s or, in wcsph, 5 m/s; nothing is chosen against a clear word."""
+    fluid = Fluid(particle_radius=0.01, viscosity=viscosity, solver=solver)
+    gravity, signal = np.array([0, -9.81, 0]), 5.0 if solver == "wcsph" else 0.5
+    assert viscosity_is_implicit(fluid, gravity, signal) is chosen
+    for word in ("explicit", "implicit"):
+        asked = fluid.model_copy(update={"viscosity_solver": word})
+        assert viscosity_is_implicit(asked, gravity, signal) is (word == "implicit")
 
 
 def test_iterations_that_end_too_soon_are_counted(tmp_path):

@@ -76,10 +76,15 @@ def points() -> np.ndarray:
     return disordered(np.random.default_rng(1))
 
 
+PLANES = {"planes": 2, "samples": 0, "floor": 1, "belt": 1}
+"""How many of the walls are planes."""
+
+
 def channel(points: np.ndarray, walls: str, g: float, **settings):
     """A system of particles at rest at these points, driven along x with g [m/s^2].
 
-    walls: two `planes`, two sheets of `samples`, or a plane below and a `belt` of samples above that runs with 1 m/s.
+    walls: two `planes`, two sheets of `samples`, only a plane below (`floor`), or also a `belt` of samples above that
+    runs with 1 m/s.
     """
     from sim.fluid.boundary import Boundary
     from sim.fluid.calibration import SAMPLE_DEPTH
@@ -89,9 +94,9 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     from sim.fluid.walls import Walls
 
     spec = Fluid(particle_radius=SPACING / 2, viscosity=NU, **settings)
-    planes = np.array([[0, 1, 0, 0], [0, -1, 0, -GAP]], dtype=float)[: {"planes": 2, "samples": 0, "belt": 1}[walls]]
+    planes = np.array([[0, 1, 0, 0], [0, -1, 0, -GAP]], dtype=float)[: PLANES[walls]]
     depth = SAMPLE_DEPTH * SPACING
-    sheets = {"planes": (), "samples": (-depth, GAP + depth), "belt": (GAP + depth,)}[walls]
+    sheets = {"samples": (-depth, GAP + depth), "belt": (GAP + depth,)}.get(walls, ())
     along, across = (np.arange(-2 * SPACING, length + 2 * SPACING, SPACING) for length in BOX[[0, 2]])
     x, z = (values.ravel() for values in np.meshgrid(along, across))
     samples = np.concatenate([np.zeros((0, 3)), *(np.column_stack((x, np.full(len(x), y), z)) for y in sheets)])
@@ -197,6 +202,15 @@ def test_implicit_and_explicit_viscosity_agree_at_a_small_step(taichi, points):
         list(flow(system, dt, [t]))
         speeds.append(profile(system)[1])
     np.testing.assert_allclose(*speeds, atol=(np.pi / GAP) ** 2 * NU * dt * PEAK)
+
+
+def test_a_film_flows_down_an_incline_as_a_half_parabola(taichi, points):
+    """u = g sin(theta) / nu (L y - y^2 / 2), with no stress on the free surface; to 5 % of the greatest speed."""
+    system = channel(points, "floor", G, viscosity_solver="implicit")
+    long = 10 * GAP**2 / NU
+    for _ in flow(system, long / 10, [long]):
+        y, u = profile(system)
+        np.testing.assert_allclose(u / PEAK / 4, (2 * y / GAP - (y / GAP) ** 2), atol=0.05)
 
 
 def test_with_free_slip_the_walls_do_not_hold(taichi, points):
