@@ -25,7 +25,7 @@ def viscosity_is_implicit(fluid: Fluid, gravity: np.ndarray, signal: float) -> b
     half = 0.5 * fluid.support_radius
     explicit = viscosity_limit(half, fluid.viscosity, find_grip(fluid).strongest)
     others = force_limit(half, float(np.linalg.norm(gravity))), SHARE * half / signal if signal > 0 else math.inf
-    return fluid.viscosity_solver == "implicit" or explicit < min(others)
+    return fluid.viscosity_solver == "implicit" or bool(explicit < min(others))
 
 
 def mixing_arrays(fluid: Fluid, implicit: bool) -> tuple[Declared, ...]:

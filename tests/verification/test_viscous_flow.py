@@ -205,12 +205,14 @@ def test_implicit_and_explicit_viscosity_agree_at_a_small_step(taichi, points):
 
 
 def test_a_film_flows_down_an_incline_as_a_half_parabola(taichi, points):
-    """u = g sin(theta) / nu (L y - y^2 / 2), with no stress on the free surface; to 5 % of the greatest speed."""
-    system = channel(points, "floor", G, viscosity_solver="implicit")
-    long = 10 * GAP**2 / NU
+    """u = g sin(theta) / nu (H y - y^2 / 2), with no stress on the surface y = H; to 8 % of the greatest speed, since
+    the film is five layers thick."""
+    depth = GAP / 2
+    system = channel(points[points[:, 1] < depth], "floor", G, viscosity_solver="implicit")
+    long = 10 * depth**2 / NU
     for _ in flow(system, long / 10, [long]):
         y, u = profile(system)
-        np.testing.assert_allclose(u / PEAK / 4, (2 * y / GAP - (y / GAP) ** 2), atol=0.05)
+        np.testing.assert_allclose(u / PEAK, 2 * y / depth - (y / depth) ** 2, atol=0.08)
 
 
 def test_with_free_slip_the_walls_do_not_hold(taichi, points):
