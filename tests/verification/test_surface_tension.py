@@ -86,8 +86,8 @@ def test_the_pressure_in_a_drop_is_laplaces(tmp_path, cells):
 
 
 def test_a_drop_oscillates_as_lamb_says(tmp_path):
-    """omega^2 = 8 sigma / (rho R^3) for the mode that makes it longer and shorter (Lamb 1932, art. 275). To 12 %: the
-    tension of a surface so curved, R = 8 d, is less than a flat one's."""
+    """omega^2 = 8 sigma / (rho R^3) for the mode that makes it longer and shorter (Lamb 1932, art. 275). Up to 15 %
+    less, and not more: the tension of a surface so curved, R = 8 d, is less than a flat one's."""
     omega = np.sqrt(8.0) / 5  # over the frame rate
     spec, start, frames = drop(8), 10, 24
     speed = 0.12 * omega * spec["fps"]
@@ -106,7 +106,7 @@ def test_a_drop_oscillates_as_lamb_says(tmp_path):
 
     found, _ = curve_fit(wave, np.arange(frames + 1), longer, [0.3, 0.1 * omega, omega, 0, 0], maxfev=20_000)
     np.testing.assert_allclose(wave(np.arange(frames + 1), *found), longer, atol=0.1 * np.ptp(longer))
-    assert np.hypot(found[1], found[2]) == pytest.approx(omega, rel=0.12)
+    assert 0.85 * omega < np.hypot(found[1], found[2]) < 1.03 * omega
 
 
 @pytest.mark.parametrize("model", ["becker2007", "akinci2013"])
