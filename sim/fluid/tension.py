@@ -104,5 +104,6 @@ def _accelerate(
             d = x - position[index[i, k]].xyz
             r = ti.max(d.norm(), 1e-6 * h)
             pull = BALANCE * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
-            a -= 2.0 * rest_density / (n.w + nj.w) * pull
+            # Lists may hold pairs that are further apart.
+            a -= ti.select(r < h, 2.0 * rest_density / (n.w + nj.w), 0.0) * pull
         acceleration[i].xyz += strength * a

@@ -223,3 +223,27 @@ def test_a_drop_spreads_further_on_a_plate_that_it_adheres_to(tmp_path):
         assert x[:, 1].min() < SPACING
         width.append(np.sqrt(x[:, [0, 2]].var(axis=0).sum()) / x[:, 1].mean())
     assert width[1] > 1.2 * width[0]
+
+
+def test_pairs_beyond_the_support_do_not_count(taichi):
+    """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
+    from sim.fluid.boundary import Boundary
+    from sim.fluid.spec import Fluid
+    from sim.fluid.system import FluidSystem
+    from sim.fluid.tension import ARRAYS, Tension
+    from sim.fluid.walls import Walls
+
+    spec = Fluid(particle_radius=SPACING / 2, surface_tension=SIGMA, surface_tension_model="akinci2013")
+    rng = np.random.default_rng(5)
+    points = np.column_stack((rng.uniform(0, 6 * SPACING, (200, 3)), np.zeros(200))).astype(np.float32)
+    found = []
+    for skin in (0.0, 0.3):
+        boundary = Boundary(np.zeros((0, 3)), np.zeros(0, np.int32), SPACING, H, H, {})
+        system = FluidSystem(spec, np.zeros(3), Walls(np.zeros((0, 4)), SPACING, H), boundary, ARRAYS, skin)
+        density = np.tile(np.array([0, 0, 0, RHO], np.float32), (200, 1))
+        tag = np.column_stack((np.arange(200), np.zeros(200))).astype(np.int32)
+        system.load({"position": points, "velocity": density, "acceleration": 0 * points, "tag": tag})
+        system.find_neighbors()
+        Tension(system).accelerate()
+        found.append(system.particles.numpy("acceleration")[np.argsort(system.particles.numpy("tag")[:, 0]), :3])
+    np.testing.assert_allclose(*found, atol=1e-5 * np.abs(found[0]).max())
