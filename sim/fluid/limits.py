@@ -16,7 +16,7 @@ def viscosity_limit(half: float, viscosity: float, strongest: float = 0.0) -> fl
 
 
 def capillary_limit(half: float, surface_tension: float, density: float) -> float:
-    """sqrt(rho half^3 / (4 pi sigma)) [s]: the shortest capillary wave goes its length (Brackbill et al. 1992, eq. 61);
+    """sqrt(rho half^3 / (4 pi sigma)) [s]: the shortest capillary wave goes its length (Brackbill et al. 1992);
     surface_tension [N/m]."""
     return math.sqrt(density * half**3 / (4.0 * math.pi * surface_tension)) if surface_tension > 0 else math.inf
 

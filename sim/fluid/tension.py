@@ -19,8 +19,8 @@ ARRAYS = (Declared("normal", "vec4", "normal n into the fluid, without unit", so
 
 BALANCE = 25.0
 """c m / h^3. With 125, the paper's for water at h = 2 d in SI units, cohesion presses the particles together with many
-times the pressure that the tension causes, and a drop creeps like a paste: its oscillation is damped six times as fast.
-Without cohesion the second term scatters the particles."""
+times the pressure that the tension causes, and a drop creeps like a paste: its oscillation is damped some five times
+as fast. Without cohesion the second term scatters the particles."""
 AREA = 0.331
 """What the second term adds to the tension of a flat surface, times m / (gamma rho0^2 h^5), by the mechanical
 definition: half the integral over all pairs of n_i - n_j along their distance, along z. Its forces run across the

@@ -2,9 +2,9 @@
 
 The velocities after the step dt are those that the friction of the step itself slows:
     v - dt K v = v*,    K v the sum over pairs of `sim.fluid.forces.viscous` and the friction of `sim.fluid.friction`
-(eq. 6 to 8, backward Euler). K is symmetric and negative semidefinite. Conjugate gradients solve the system, with the
-inverses of its diagonal's 3 x 3 blocks as preconditioner (sec. 4.1), from the velocities to which the
-friction of the step before leads (sec. 4.2). What is left of the residual r at the end is added: v* + dt K v = v + r,
+(backward Euler). K is symmetric and negative semidefinite. Conjugate gradients solve the system, with the
+inverses of its diagonal's 3 x 3 blocks as preconditioner, from the velocities to which the
+friction of the step before leads. What is left of the residual r at the end is added: v* + dt K v = v + r,
 which is made of pair forces alone, so that momentum and angular momentum are kept whatever the tolerance.
 """
 

@@ -1,4 +1,4 @@
-"""XSPH (Monaghan 1989, eq. 2.6), applied to the velocities themselves (Schechter & Bridson 2012, sec. 5).
+"""XSPH (Monaghan 1989), applied to the velocities themselves (Schechter & Bridson 2012).
 
 v_i += eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij: what one of a pair gains the other loses. It is no viscosity in
 m^2/s: it acts once a step, however long that is.

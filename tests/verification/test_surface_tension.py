@@ -151,7 +151,7 @@ def test_the_second_term_adds_to_the_tension_what_its_constant_says():
 
 
 def test_steps_resolve_capillary_waves(tmp_path):
-    """dt < sqrt(rho (h/2)^3 / (4 pi sigma)) (Brackbill et al. 1992, eq. 61)."""
+    """dt < sqrt(rho (h/2)^3 / (4 pi sigma)) (Brackbill et al. 1992)."""
     run(drop(4), tmp_path, 5)
     limit = np.sqrt(RHO * (H / 2) ** 3 / (4 * np.pi * SIGMA))
     assert 0.5 * limit < steps(tmp_path)["dt"].max() <= limit

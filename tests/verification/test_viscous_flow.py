@@ -63,7 +63,7 @@ def poiseuille(y: np.ndarray, t: float, dt: float = 0.0) -> np.ndarray:
 
 def couette(y: np.ndarray, t: float, dt: float = 0.0) -> np.ndarray:
     """u(y, t) over the speed of the upper wall, from rest: y/L + sum of 2/(n pi) (-1)^n sin(n pi y/L)
-    exp(-n^2 pi^2 nu t/L^2)  (Morris, Fox & Zhu 1997, eq. 23)."""
+    exp(-n^2 pi^2 nu t/L^2)  (Morris, Fox & Zhu 1997)."""
     waves = (-1.0) ** N * 2 / (N * np.pi) * np.sin(N * np.pi * y / GAP) * left(t, dt)
     return y / GAP + waves.sum(axis=0)
 

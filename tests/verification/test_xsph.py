@@ -20,7 +20,7 @@ def kernel(r: np.ndarray) -> np.ndarray:
 
 
 def test_velocities_become_what_the_sum_says(taichi):
-    """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989, eq. 2.6)."""
+    """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989)."""
     from sim.fluid.boundary import Boundary
     from sim.fluid.mixing import Mixing, mixing_arrays
     from sim.fluid.spec import Fluid
