@@ -16,6 +16,7 @@ numpy_real = np.float64 if precision.chosen == "double" else np.float32
 vec2i = ti.types.vector(2, ti.i32)
 vec3 = ti.types.vector(3, real)
 vec4 = ti.types.vector(4, real)
+mat3 = ti.types.matrix(3, 3, real)
 
 Vec4Array = ti.types.ndarray(dtype=vec4, ndim=1)
 Vec2iArray = ti.types.ndarray(dtype=vec2i, ndim=1)

@@ -47,8 +47,12 @@ class Output:
             self._statistics: tuple[str, ...] = ()
             return ()
         from sim.fluid import load_solver
+        from sim.fluid.mixing import viscosity_is_implicit
+        from sim.fluid.part import SLOWEST
 
         self._statistics = load_solver(spec.fluid.solver).STATISTICS
+        if viscosity_is_implicit(spec.fluid, np.array(spec.gravity), SLOWEST * spec.fluid.spacing):
+            self._statistics += ("viscosity_iterations",)
         return FLUID_COLUMNS + self._statistics
 
     def step(

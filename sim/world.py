@@ -105,8 +105,11 @@ class World:
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "viscosity":
-                remedy = "use a lower fluid.viscosity, or larger particles"
+                remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
                 return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy
+            case "surface tension":
+                tension = max(self.spec.fluid.surface_tension, self.spec.fluid.adhesion)
+                return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
         speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
@@ -129,6 +132,12 @@ class World:
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
         return self.fluid.measure(self.floor) if self.fluid else None
+
+    def choices(self) -> dict[str, str]:
+        """What settings of `auto` came to."""
+        if not self.fluid or not self.spec.fluid.viscosity:
+            return {}
+        return {"fluid.viscosity_solver": "implicit" if self.fluid.system.implicit_viscosity else "explicit"}
 
     def bytes_by_module(self) -> dict[str, int]:
         return {"fluid": self.fluid.system.bytes} if self.fluid else {}

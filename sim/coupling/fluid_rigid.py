@@ -103,6 +103,10 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     grip = find_grip(system.spec)
     friction = grip.samples * sample_friction_host(r, approach, grip.nearest, system.h) / velocity[pairs.row, 3]
     along = along * cubic_slope_host(r, system.h) + friction
+    if system.spec.adhesion > 0:
+        from sim.fluid.adhesion import adhesion_host, adhesion_strengths
+
+        along -= adhesion_strengths(system)[0] * adhesion_host(r / system.h) / r / system.spec.rest_density
     strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along
     force = -strength[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)

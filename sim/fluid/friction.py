@@ -4,8 +4,8 @@ A plane wall continues the fluid with the velocity that vanishes on its surface,
 for a particle at distance y with velocity v (Morris, Fox & Zhu 1997, sec. 3.5). The sum over pairs of
 `sim.fluid.forces` becomes an integral over the half-space, which depends on y alone:
     a = nu [T(y) v_t + N(y) v_n],   for the velocity v_t along and v_n towards the wall, with
-    T = k pi / (4 y) int_y^h W'(r) (r^2 - y^2)^2 / (r^2 + 0.01 h^2) dr,
-    N = k pi / (2 y) int_y^h W'(r) (r^4 - y^4) / (r^2 + 0.01 h^2) dr,
+    T = HOLD k pi / (4 y) int_y^h W'(r) (r^2 - y^2)^2 / (r^2 + 0.01 h^2) dr,
+    N = HOLD k pi / (2 y) int_y^h W'(r) (r^4 - y^4) / (r^2 + 0.01 h^2) dr,
 k the factor of the pairs.
 """
 
@@ -14,14 +14,19 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Vec4Array, real, vec3
+from sim.arrays import Vec4Array, mat3, real, vec3
 from sim.fluid.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
 from sim.fluid.forces import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
 from sim.fluid.spec import Fluid
 
-NEAREST = 0.5
-"""A wall slows particles nearer than this many spacings no more than those: a layer at rest is as near."""
+HOLD = 1.1
+"""What a wall holds over what the integral says. The fluid next to a wall lies in layers, whose pull on one another
+is more than that of a fluid without order: with this factor a flow does not slip, without it by 0.04 spacings."""
+NEAREST = 0.3
+"""A wall slows particles nearer than this many spacings no more than those: few of a fluid in disorder are nearer."""
+UNEVEN = 1.5
+"""Samples slow a particle at most this many times as much as they do a layer at rest, in the mean over it."""
 
 
 def friction_host(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -30,8 +35,8 @@ def friction_host(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for y in np.atleast_1d(q):
         r = y + (np.arange(2000) + 0.5) * (1.0 - y) / 2000
         weight = cubic_slope_host(r, 1.0) * r / (r * r + SOFTENING) * (1.0 - y) / 2000
-        along.append(VISCOUS / 4 * np.pi / y * float((weight * (r * r - y * y) ** 2).sum()))
-        across.append(VISCOUS / 2 * np.pi / y * float((weight * (r**4 - y**4)).sum()))
+        along.append(HOLD * VISCOUS / 4 * np.pi / y * float((weight * (r * r - y * y) ** 2).sum()))
+        across.append(HOLD * VISCOUS / 2 * np.pi / y * float((weight * (r**4 - y**4)).sum()))
     return np.array(along), np.array(across)
 
 
@@ -80,16 +85,16 @@ def wall_friction(
 
 
 @ti.func
-def wall_friction_diagonal(
+def wall_friction_block(
     x: vec3, count: ti.i32, planes: Vec4Array, setback: real, spacing: real, inverse_h: real
-) -> vec3:
-    """The derivatives of `wall_friction` by each component of the velocity [1/m^2]."""
-    a = vec3(0.0)
+) -> mat3:
+    """The derivatives of `wall_friction` by the velocity [1/m^2]."""
+    block = mat3(0.0)
     for k in range(count):
         n = planes[k].xyz
         grip = wall_grip(n.dot(x) - planes[k].w - setback, spacing, inverse_h)
-        a += grip.x + (grip.y - grip.x) * n * n
-    return a
+        block += grip.x * ti.Matrix.identity(real, 3) + (grip.y - grip.x) * n.outer_product(n)
+    return block
 
 
 @ti.func
@@ -102,6 +107,13 @@ def sample_friction(d: vec3, v: vec3, nearest: real, inverse_h: real) -> vec3:
     return viscous(v.dot(d), 1.0) * cubic_slope(q) / (q * q + SOFTENING) * inverse_h * inverse_h * d
 
 
+@ti.func
+def sample_friction_block(d: vec3, nearest: real, inverse_h: real) -> mat3:
+    """The derivatives of `sample_friction` by the velocity."""
+    q = ti.max(d.norm() * inverse_h, nearest)
+    return viscous(1.0, 1.0) * cubic_slope(q) / (q * q + SOFTENING) * inverse_h * inverse_h * d.outer_product(d)
+
+
 def sample_friction_host(r: np.ndarray, approach: np.ndarray, nearest: float, h: float) -> np.ndarray:
     """`sample_friction` with the kernel's norm, over the pairs' vectors d [1/(m^3 s)]; r = |d| [m], approach = v.d."""
     r = np.maximum(r, nearest * h)
@@ -111,35 +123,34 @@ def sample_friction_host(r: np.ndarray, approach: np.ndarray, nearest: float, h:
 @dataclass(frozen=True)
 class Grip:
     """How solids slow the fluid: viscosities [m^2/s] against walls and boundary samples, and the distance over h
-    nearer than which samples slow it no more."""
+    nearer than which samples slow it no more. `strongest`: h^2 times the greatest rate at which one of them slows a
+    particle [m^2/s]."""
 
     walls: float
     samples: float
     nearest: float
+    strongest: float
+
+
+NO_GRIP = Grip(0.0, 0.0, 1.0, 0.0)
 
 
 def find_grip(spec: Fluid) -> Grip:
     """What the settings ask for; nothing with free slip.
 
-    Samples are fewer and lie deeper than a half-space's volume. Their viscosity makes them slow a layer at rest as
-    much as a plane wall does, in the mean of the three directions: less along the surface, more towards it.
+    Samples are fewer and lie deeper than a half-space's volume. Their viscosity makes them slow a layer at rest along
+    the surface as much as a plane wall does. Towards the surface, where pairs point, it is some four times as much.
     """
     spacing, h = spec.spacing, spec.support_radius
     rest = (SAMPLE_DEPTH + 0.5) * spacing / h
     if spec.wall_slip == "free_slip":
-        return Grip(0.0, 0.0, rest)
+        return NO_GRIP
     r = rest + (np.arange(2000) + 0.5) * (1.0 - rest) / 2000
-    area = spacing * spacing / h**2
-    # Integral of the pair's trace over a plane with one sample on each square of the spacing.
-    pairs = (
-        2.0
-        * VISCOUS
-        * np.pi
-        * (cubic_slope_host(r, 1.0) / (r * r + SOFTENING) * r**3).sum()
-        * (1.0 - rest)
-        / 2000
-        / area
-    )
-    along, across = friction_host(0.5 * spacing / h)
-    factor = (2.0 * along[0] + across[0]) / (pairs * sample_weight(spacing, h) * sample_volume(spacing, h) / h**3)
-    return Grip(spec.viscosity, spec.viscosity * float(factor), rest)
+    # Integrals of the pair's force over a plane with one sample on each square of the spacing.
+    weight = VISCOUS * np.pi * cubic_slope_host(r, 1.0) * r / (r * r + SOFTENING) * (1.0 - rest) / 2000
+    weight *= sample_weight(spacing, h) * sample_volume(spacing, h) / (h * spacing**2)
+    pairs_along, pairs_across = float((weight * (r * r - rest * rest)).sum()), float((2 * weight).sum()) * rest**2
+    along, across = friction_host(np.array([0.5, NEAREST]) * spacing / h)
+    factor = along[0] / pairs_along
+    strongest = max(-across[1], -UNEVEN * factor * pairs_across)
+    return Grip(spec.viscosity, spec.viscosity * factor, rest, spec.viscosity * strongest)

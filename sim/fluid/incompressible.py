@@ -6,7 +6,8 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real
-from sim.fluid.limits import fall_limit, viscosity_limit, way_limit
+from sim.fluid.limits import fall_limit, way_limit
+from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
@@ -28,6 +29,7 @@ class Incompressible:
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
         self.momentum = Momentum(system, pressure=False)
+        self.mixing = Mixing(system)
 
     @property
     def settings(self) -> Settings:
@@ -35,13 +37,12 @@ class Incompressible:
         return getattr(self.system.spec, self.system.spec.solver)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
-        """Largest stable time steps [s]: the way of particles, gravity, and explicit viscosity."""
+        """Largest stable time steps [s]: the way of particles, gravity, and the other forces."""
         half = 0.5 * self.system.h
         return {
             "signal": way_limit(half, cfl, measure.v_max + self.system.boundary.speed, measure.a_max),
             "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
-            "viscosity": viscosity_limit(half, self.system.spec.viscosity),
-        }
+        } | self.momentum.step_limits()
 
     def start(self) -> None:
         """Find densities and forces of the initial state, or of one that an event has changed."""
@@ -62,7 +63,10 @@ class Incompressible:
         self.momentum.accelerate()
         kick(system.count, dt, particles.velocity, particles.acceleration)
         system.boundary.move()
-        told = self.press(dt)
+        told = self.mixing.mix(dt)
+        mixing_capped = told["capped"]
+        told |= self.press(dt)
+        told["capped"] += mixing_capped
         _move(system.count, dt, particles.position, particles.velocity)
         system.find_neighbors()
         self.examine(dt)

@@ -10,9 +10,11 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 import taichi as ti
 
 from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.fluid.added import load_forces
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
-from sim.fluid.friction import find_grip, sample_friction, wall_friction
+from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
 from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.limits import capillary_limit, viscosity_limit
 from sim.fluid.system import FluidSystem
 from sim.fluid.walls import wall_damping, wall_share
 from sim.neighbors import padded
@@ -31,10 +33,23 @@ class Momentum:
         self.pressure = pressure
         self.artificial = artificial
         self.damping = damping
-        self.grip = find_grip(spec)
-        self.cohesion = cohesion_coefficient(
-            spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
-        )
+        self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
+        solids = system.walls.count > 0 or system.boundary.count > 0
+        self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
+        self.cohesion, self._added = 0.0, load_forces(system)
+        if spec.surface_tension_model == "becker2007":
+            self.cohesion = cohesion_coefficient(
+                spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
+            )
+
+    def step_limits(self) -> dict[str, float]:
+        """Largest stable time steps [s] that do not depend on the particles' motion."""
+        explicit = self.viscosity + 0.1 * self.artificial
+        half, spec = 0.5 * self.system.h, self.system.spec
+        return {
+            "viscosity": viscosity_limit(half, explicit, self.grip.strongest),
+            "surface tension": capillary_limit(half, max(spec.surface_tension, spec.adhesion), spec.rest_density),
+        }
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
@@ -63,8 +78,8 @@ class Momentum:
             walls.setback,
             walls.planes,
             self.pressure,
-            spec.viscosity > 0,
-            spec.viscosity,
+            self.viscosity > 0,
+            self.viscosity,
             self.grip.walls > 0,
             self.grip.samples,
             self.grip.nearest,
@@ -72,9 +87,11 @@ class Momentum:
             self.artificial,
             self.damping > 0,
             self.damping,
-            spec.surface_tension > 0,
+            self.cohesion > 0,
             self.cohesion,
         )
+        for force in self._added:
+            force.accelerate()
 
 
 @ti.kernel

@@ -10,7 +10,9 @@ import numpy as np
 
 from sim.arrays import numpy_real
 from sim.fluid import load_solver
+from sim.fluid.added import force_arrays
 from sim.fluid.boundary import Boundary
+from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
@@ -141,9 +143,12 @@ class FluidPart:
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
-        self.system = FluidSystem(fluid, gravity, walls, boundary, solver.ARRAYS, solver.SKIN)
-        self.system.load(vars(state))
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
+        signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
+        implicit = viscosity_is_implicit(fluid, gravity, signal)
+        arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
+        self.system = FluidSystem(fluid, gravity, walls, boundary, arrays, solver.SKIN, implicit)
+        self.system.load(vars(state))
         self.solver = solver(self.system, self.fastest_signal)
 
     @property
@@ -169,13 +174,14 @@ class FluidPart:
 def fastest_signal(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: float) -> float:
     """The numerical speed of sound [m/s] (Monaghan 1994, sec. 4), faster than which no particle can be.
 
-    `auto` follows from what the scene can reach.
+    `auto` follows from what the scene can reach: by falling, and by the surface tension of the smallest drops.
     """
     given = fluid.wcsph.speed_of_sound
     if fluid.solver == "wcsph" and given != "auto":
         return float(given)
     g = float(np.linalg.norm(gravity))
-    reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing))
+    pulled = 2 * max(fluid.surface_tension, fluid.adhesion) / (fluid.rest_density * fluid.spacing)
+    reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing) + pulled)
     return COMPRESSION_SPEED * max(reachable, SLOWEST * fluid.spacing)
 
 

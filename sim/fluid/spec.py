@@ -117,6 +117,15 @@ class Dfsph(Incompressible):
     """Mean compression in one step by the velocities after it, as a share of the rest density."""
 
 
+class ImplicitViscosity(Settings):
+    """Settings of implicit viscosity (Weiler et al. 2018)."""
+
+    error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.001
+    """Error that a step may leave in what viscosity changes of the velocities, as a share of it."""
+    max_iterations: Annotated[int, Ge(1), Le(100_000)] = 200
+    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
+
+
 class Fluid(Settings):
     """The liquid and how it is simulated."""
 
@@ -137,8 +146,21 @@ class Fluid(Settings):
     wall_slip: Literal["no_slip", "free_slip"] = "no_slip"
     """Whether solids slow the fluid along their surface: with `no_slip` it sticks to them, in proportion to
     `viscosity`."""
+    viscosity_solver: Literal["auto", "explicit", "implicit"] = "auto"
+    """How viscosity acts: `explicit` in steps that it limits, `implicit` by a system of equations in each step, and
+    `auto` implicitly where explicit viscosity would limit the step more than all else."""
+    implicit_viscosity: ImplicitViscosity = ImplicitViscosity()
+    xsph: Annotated[Dimensionless, Ge(0), Le(1)] = 0.0
+    """Share of the mean velocity of its neighbours that each particle takes over in every step (Monaghan 1989): hides
+    disorder, and slows the flow."""
     surface_tension: SurfaceTension = 0.0
     """Coefficient of surface tension [N/m]: water in air 0.072."""
+    surface_tension_model: Literal["becker2007", "akinci2013"] = "becker2007"
+    """Attraction of neighbours (Becker & Teschner 2007), or cohesion that keeps its distance and a pull towards a
+    smaller surface (Akinci et al. 2013)."""
+    adhesion: SurfaceTension = 0.0
+    """Work that it takes to part the fluid from solids, per area [N/m]: surface_tension times 1 + cos of the angle at
+    which the surface meets them."""
     max_particles: Annotated[int, Gt(0), Le(50_000_000)] = 5_000_000
     """More fluid particles than this are refused before the simulation starts; emitters pause while there are
     so many."""

@@ -56,7 +56,8 @@ class FluidSystem:
     """Particles, their neighbours, and the solids around them, in coordinates relative to the world's origin.
 
     extra: arrays that only the solver needs. skin: how much further than the support radius neighbours are listed,
-    relative to it, so that a list serves for several short steps.
+    relative to it, so that a list serves for several short steps. implicit_viscosity: viscosity is no force, but a step
+    of its own.
     """
 
     def __init__(
@@ -67,8 +68,10 @@ class FluidSystem:
         boundary: Boundary,
         extra: tuple[Declared, ...] = (),
         skin: float = 0.0,
+        implicit_viscosity: bool = False,
     ):
         self.spec = spec
+        self.implicit_viscosity = implicit_viscosity
         self.gravity = gravity
         self.walls = walls
         self.boundary = boundary
@@ -81,6 +84,8 @@ class FluidSystem:
         self.neighbors = NeighborList(64)
         self._skin = skin * self.h
         self._way_left = 0.0
+        self.forgetful = True
+        """Whether what particles remember of the last step only to be faster is lost."""
         self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
         self.measured = STILL
         """What the last measure said."""
@@ -96,15 +101,17 @@ class FluidSystem:
         self.begin_frame()
 
     def begin_frame(self) -> None:
-        """Choose the hash by the present count and forget the neighbours, so that a run that goes on from a
-        checkpoint does the same."""
+        """Choose the hash by the present count and forget the neighbours and what else is not saved, so that a run that
+        goes on from a checkpoint does the same."""
         self.grid.fit(self.count)
         self._way_left = 0.0
+        self.forgetful = True
 
     def exchange(self, dt: float) -> None:
         """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet."""
         if self.flow and self.flow.exchange(dt):
             self._way_left = 0.0
+            self.forgetful = True
 
     def lead(self) -> None:
         """Give back their velocity to particles that no force is to move."""

@@ -10,7 +10,8 @@ import taichi as ti
 
 from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real
 from sim.fluid.kernel import cubic
-from sim.fluid.limits import force_limit, viscosity_limit
+from sim.fluid.limits import force_limit
+from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.walls import wall_share
@@ -37,15 +38,15 @@ class Wcsph:
         damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
         system.wall_damping = spec.wcsph.wall_damping * self.speed_of_sound
         self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
+        self.mixing = Mixing(system)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
-        """Largest stable time steps [s]: sound, force and viscosity (Monaghan 1992, sec. 10)."""
+        """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
         half = 0.5 * self.system.h
         return {
             "signal": cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed),
             "force": force_limit(half, measure.a_max),
-            "viscosity": viscosity_limit(half, self.system.spec.viscosity + 0.1 * self.artificial),
-        }
+        } | self.momentum.step_limits()
 
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
@@ -62,7 +63,7 @@ class Wcsph:
         boundary.move()
         self._accelerate(way)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        return {}
+        return self.mixing.mix(dt)
 
     def _accelerate(self, way: float = float("inf")) -> None:
         system = self.system
