@@ -14,6 +14,7 @@ real = ti.f64 if precision.chosen == "double" else ti.f32
 numpy_real = np.float64 if precision.chosen == "double" else np.float32
 
 vec2i = ti.types.vector(2, ti.i32)
+vec2 = ti.types.vector(2, real)
 vec3 = ti.types.vector(3, real)
 vec4 = ti.types.vector(4, real)
 mat3 = ti.types.matrix(3, 3, real)

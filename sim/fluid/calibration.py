@@ -28,10 +28,12 @@ SAMPLE_DEPTH = 0.8
 
 @dataclass(frozen=True)
 class Lack:
-    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]."""
+    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]; and the share of the
+    density that is beyond both walls for the layer along an edge."""
 
     density: float
     force: float
+    edge: float
 
 
 def lack(spacing: float, h: float) -> Lack:
@@ -41,26 +43,37 @@ def lack(spacing: float, h: float) -> Lack:
     total = cubic_host(r, h).sum()
     beyond = points[:, 1] < -spacing / 2
     slope = cubic_slope_host(r[beyond], h) * points[beyond, 1]
-    return Lack(float(cubic_host(r[beyond], h).sum() / total), float(slope.sum() / total))
+    beyond_both = beyond & (points[:, 0] < -spacing / 2)
+    return Lack(
+        float(cubic_host(r[beyond], h).sum() / total),
+        float(slope.sum() / total),
+        float(cubic_host(r[beyond_both], h).sum() / total),
+    )
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume."""
+    """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume.
+
+    Two that add the shares u1 and u2 to a density have in common u1 u2 / ((overlap + u1) (overlap + u2)).
+    """
 
     distance: float
     weight: float
+    overlap: float
 
 
 def calibrate_wall(spacing: float, h: float) -> Wall:
-    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force."""
+    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force; the overlap makes
+    the density along an edge right."""
     missing = lack(spacing, h)
     ratio = missing.density / (2 * missing.force * h)
     low, high = 0.0, 0.999
     for _ in range(60):
         q = (low + high) / 2
         low, high = (q, high) if halfspace_volume_host(q) / halfspace_area_host(q) > ratio else (low, q)
-    return Wall(low * h, missing.density / halfspace_volume_host(low))
+    overlap = missing.density * (missing.edge**-0.5 - 1.0)
+    return Wall(low * h, missing.density / halfspace_volume_host(low), overlap)
 
 
 def sample_weight(spacing: float, h: float) -> float:

@@ -9,7 +9,7 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.arrays import IntArray, IntTable, Vec4Array, real, vec2, vec3
 from sim.fluid.added import load_forces
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
@@ -74,7 +74,7 @@ class Momentum:
             boundary.moves,
             boundary.velocity,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.setback,
             walls.planes,
             self.pressure,
@@ -114,7 +114,7 @@ def _accelerate(
     has_motion: ti.template(),
     sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     wall_setback: real,
     planes: Vec4Array,
     has_pressure: ti.template(),
@@ -180,9 +180,9 @@ def _accelerate(
                     friction = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
                     a += strength / v.w * friction
         if ti.static(has_pressure):
-            a -= x.w * rest_density * wall_weight * wall_share(x.xyz, wall_count, planes, inverse_h).xyz
+            a -= x.w * rest_density * wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h).xyz
         if ti.static(has_damping):
-            strength = damping_strength * rest_density * wall_weight / v.w
+            strength = damping_strength * rest_density * wall_fit.x / v.w
             a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
         if ti.static(has_grip):
             friction = wall_friction(x.xyz, v.xyz, wall_count, planes, wall_setback, spacing, inverse_h)

@@ -16,7 +16,7 @@ Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
@@ -83,7 +83,7 @@ class Projection:
             boundary.moves,
             boundary.velocity,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
         )
 
@@ -111,7 +111,7 @@ class Projection:
             boundary.neighbors.size,
             boundary.neighbors.index,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
         )
 
@@ -139,7 +139,7 @@ def _prepare(
     has_motion: ti.template(),
     sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -164,7 +164,7 @@ def _prepare(
         if ti.static(has_boundary):
             near_solid = sample_size[i]
         share = solid_share(
-            x, i, near_solid, sample_index, samples, wall_count, wall_weight, planes, inverse_h, has_boundary
+            x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
         )
         density += rest_density * share.w
         gradient = rest_density * share.xyz
@@ -199,7 +199,7 @@ def _predict(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -220,7 +220,7 @@ def _predict(
             sample_index,
             samples,
             wall_count,
-            wall_weight,
+            wall_fit,
             planes,
             inverse_h,
             has_boundary,

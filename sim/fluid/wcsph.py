@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real
+from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec2
 from sim.fluid.kernel import cubic
 from sim.fluid.limits import force_limit
 from sim.fluid.mixing import Mixing
@@ -84,7 +84,7 @@ class Wcsph:
             boundary.neighbors.size,
             boundary.neighbors.index,
             system.walls.count,
-            system.walls.weight,
+            system.walls.fit,
             system.walls.planes,
         )
         self.momentum.accelerate()
@@ -120,7 +120,7 @@ def _density(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -138,7 +138,7 @@ def _density(
                 b = samples[sample_index[i, k]]
                 solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
-        density += rest_density * wall_weight * wall_share(x, wall_count, planes, inverse_h).w
+        density += rest_density * wall_share(x, wall_count, wall_fit, planes, inverse_h).w
         ratio = density / rest_density
         ratio2 = ratio * ratio
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
