@@ -21,11 +21,14 @@ class Dfsph(Iisph):
     def advance(self, dt: float) -> dict[str, float]:
         """The step of IISPH, and the divergence solve after it; acceleration.w keeps the pressures of the latter."""
         told = super().advance(dt)
+        if not self.system.count:
+            return told
         count, particles, settings = self.system.count, self.system.particles, self.settings
         _swap(count, particles.position, particles.acceleration)
         tolerance = settings.divergence_error * self.system.spec.rest_density
         solution = self.projection.solve(dt, tolerance, 1, settings.max_iterations)
         kick(count, dt, particles.velocity, particles.kept)
+        self.system.lead()
         _swap(count, particles.position, particles.acceleration)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped

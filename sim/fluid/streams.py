@@ -1,7 +1,7 @@
 """Particles on their way through the nozzles of emitters, and whether an outlet is free.
 
 A particle that is led through nozzle e has the body number LED - e, and a velocity that no force changes. Beyond
-the nozzle it gets the body number FREE. It may be late, by less than a step; it then has fallen for that time.
+the nozzle it gets the body number FREE. It passes the end of the nozzle within a step, and has fallen since then.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ ROOM = 0.9
 RUNNING_ROOM = 0.7
 """What a running stream meets is pushed away by what is led before it; nearer than this nothing may be."""
 NEAR, NEARER = 1, 2
-"""Marks of points that are nearer to other particles than ROOM, and than RUNNING_ROOM."""
+"""Marks of points of a layer that are nearer to other particles than ROOM, and than RUNNING_ROOM."""
 TIGHT = 1.05
 """Over so many rest densities the fluid before an outlet has no room for more."""
 
@@ -36,17 +36,17 @@ class Streams:
         mouth, stream = np.zeros((size, 4)), np.zeros((size, 4))
         for number, outlet in outlets.items():
             mouth[number] = [*(outlet.centre - origin), outlet.nozzle]
-            stream[number] = [*(outlet.speed * outlet.direction), outlet.speed]
+            stream[number] = [*outlet.velocity, outlet.speed]
         self._mouth, self._stream = ti.ndarray(vec4, size), ti.ndarray(vec4, size)
         self._mouth.from_numpy(mouth.astype(numpy_real))
         self._stream.from_numpy(stream.astype(numpy_real))
-        self._slots, self._nearest = {}, {}
+        self._slots, self._marks = {}, {}
         for number, outlet in outlets.items():
             slots = np.full(outlet.grid, -1, np.int32)
             slots[tuple(outlet.cells.T)] = np.arange(len(outlet.cells))
             self._slots[number] = ti.ndarray(ti.i32, outlet.grid)
             self._slots[number].from_numpy(slots)
-            self._nearest[number] = ti.ndarray(ti.i32, len(outlet.cells))
+            self._marks[number] = ti.ndarray(ti.i32, len(outlet.cells))
 
     def lead(self, system: FluidSystem) -> None:
         """Give the particles in the nozzles their velocity, and let go of those that are through."""
@@ -67,13 +67,13 @@ class Streams:
         _let_go(system.count, LED - number, system.particles.tag)
 
     def obstructed(self, system: FluidSystem, number: int, distance: float) -> tuple[np.ndarray, bool]:
-        """Which points of a layer `distance` [m] beyond the outlet are too near to other fluid, shape [n], and whether
-        the fluid there is compressed."""
-        outlet, particles, nearest = self.outlets[number], system.particles, self._nearest[number]
+        """Which particles of a layer that has come `distance` [m] further would be too near to other fluid, shape [n],
+        and whether the fluid there is compressed."""
+        outlet, particles, marks = self.outlets[number], system.particles, self._marks[number]
         near, led, tight = _examine(
             system.count,
             LED - number,
-            vec3(*(outlet.centre + distance * outlet.direction - self.origin)),
+            vec3(*(outlet.centre + (outlet.spacing / 2 + distance) * outlet.direction - self.origin)),
             *(vec3(*axis) for axis in outlet.axes),
             outlet.spacing,
             system.h,
@@ -82,9 +82,9 @@ class Streams:
             particles.velocity,
             particles.tag,
             self._slots[number],
-            nearest,
+            marks,
         )
-        return nearest.to_numpy() >= (NEARER if led else NEAR), 2 * tight > near
+        return marks.to_numpy() >= (NEARER if led else NEAR), 2 * tight > near
 
 
 @ti.kernel
@@ -107,9 +107,9 @@ def _lead(
                 velocity[i].xyz = v
                 acceleration[i].xyz = vec3(0.0)
             else:
-                late = beyond / speed
-                position[i].xyz += 0.5 * late * late * gravity
-                velocity[i].xyz = v + late * gravity
+                since = beyond / speed
+                position[i].xyz += 0.5 * since * since * gravity
+                velocity[i].xyz = v + since * gravity
                 tag[i].y = FREE
 
 
@@ -135,12 +135,12 @@ def _examine(
     velocity: Vec4Array,
     tag: Vec2iArray,
     slots: IntTable,
-    nearest: IntArray,
+    marks: IntArray,
 ) -> ti.types.vector(3, ti.i32):
     """Particles within h of a layer's box, the layer's own ones before it, and those of the first that are compressed;
-    what is near the points of the layer goes to `nearest`."""
-    for p in range(nearest.shape[0]):
-        nearest[p] = 0
+    what is near the points of the layer goes to `marks`."""
+    for p in range(marks.shape[0]):
+        marks[p] = 0
     rows, columns = slots.shape[0], slots.shape[1]
     reach = h / spacing
     near, led, tight = 0, 0, 0
@@ -161,5 +161,5 @@ def _examine(
                     if r >= 0 and r < rows and c >= 0 and c < columns:
                         gap = vec3(row - r, column - c, ahead).norm()
                         if slots[r, c] >= 0 and gap < ROOM:
-                            ti.atomic_max(nearest[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
+                            ti.atomic_max(marks[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
     return ti.Vector([near, led, tight])
