@@ -111,11 +111,7 @@ class Flow:
         points = outlet.points + distance * outlet.direction
         free = self.free(points, self.time)
         if system.count:
-            blocked, tight = self.streams.obstructed(system, sent.number, distance)
-            free &= ~blocked & (not tight)
-            if tight:
-                # Led particles would go on to press into fluid that can not give way.
-                self.streams.let_go(system, sent.number)
+            free &= ~self.streams.obstructed(system, sent.number, distance)
         count = int(free.sum())
         missing = len(points) - count
         self.counts.particles_blocked += missing

@@ -23,7 +23,8 @@ RUNNING_ROOM = 0.7
 NEAR, NEARER = 1, 2
 """Marks of points of a layer that are nearer to other particles than ROOM, and than RUNNING_ROOM."""
 TIGHT = 1.05
-"""Over so many rest densities the fluid before an outlet has no room for more."""
+"""A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
+can not give way."""
 
 
 class Streams:
@@ -33,13 +34,20 @@ class Streams:
         self.outlets = outlets
         self.origin = origin
         size = max(outlets, default=0) + 1
-        mouth, stream = np.zeros((size, 4)), np.zeros((size, 4))
+        self._pressed = ti.ndarray(ti.i32, size)
+        tables = np.zeros((4, size, 4))
         for number, outlet in outlets.items():
-            mouth[number] = [*(outlet.centre - origin), outlet.nozzle]
-            stream[number] = [*outlet.velocity, outlet.speed]
-        self._mouth, self._stream = ti.ndarray(vec4, size), ti.ndarray(vec4, size)
-        self._mouth.from_numpy(mouth.astype(numpy_real))
-        self._stream.from_numpy(stream.astype(numpy_real))
+            half = (np.array(outlet.grid) - 1) / 2 * outlet.spacing
+            tables[:, number] = [
+                [*(outlet.centre - origin), outlet.nozzle],
+                [*outlet.velocity, outlet.speed],
+                [*outlet.axes[0], half[0]],
+                [*outlet.axes[2], half[1]],
+            ]
+        self._tables = [ti.ndarray(vec4, size) for _ in tables]
+        """Centre and nozzle [m]; velocity and speed [m/s]; the directions across, and how far particles are there [m]."""
+        for array, values in zip(self._tables, tables, strict=True):
+            array.from_numpy(values.astype(numpy_real))
         self._slots, self._marks = {}, {}
         for number, outlet in outlets.items():
             slots = np.full(outlet.grid, -1, np.int32)
@@ -49,61 +57,73 @@ class Streams:
             self._marks[number] = ti.ndarray(ti.i32, len(outlet.cells))
 
     def lead(self, system: FluidSystem) -> None:
-        """Give the particles in the nozzles their velocity, and let go of those that are through."""
+        """Give the particles in the nozzles their velocity, and let go of those that are through, or pressed."""
         particles = system.particles
         _lead(
             system.count,
             vec3(*system.gravity),
-            self._mouth,
-            self._stream,
+            system.h,
+            TIGHT * system.spec.rest_density,
+            *self._tables,
             particles.position,
             particles.velocity,
             particles.acceleration,
             particles.tag,
+            self._pressed,
         )
 
-    def let_go(self, system: FluidSystem, number: int) -> None:
-        """Free all particles in a nozzle."""
-        _let_go(system.count, LED - number, system.particles.tag)
-
-    def obstructed(self, system: FluidSystem, number: int, distance: float) -> tuple[np.ndarray, bool]:
-        """Which particles of a layer that has come `distance` [m] further would be too near to other fluid, shape [n],
-        and whether the fluid there is compressed."""
+    def obstructed(self, system: FluidSystem, number: int, distance: float) -> np.ndarray:
+        """Which particles of a layer that has come `distance` [m] further would be too near to others, shape [n]."""
         outlet, particles, marks = self.outlets[number], system.particles, self._marks[number]
-        near, led, tight = _examine(
+        running = _examine(
             system.count,
             LED - number,
             vec3(*(outlet.centre + (outlet.spacing / 2 + distance) * outlet.direction - self.origin)),
             *(vec3(*axis) for axis in outlet.axes),
             outlet.spacing,
-            system.h,
-            TIGHT * system.spec.rest_density,
             particles.position,
-            particles.velocity,
             particles.tag,
             self._slots[number],
             marks,
         )
-        return marks.to_numpy() >= (NEARER if led else NEAR), 2 * tight > near
+        return marks.to_numpy() >= (NEARER if running else NEAR)
 
 
 @ti.kernel
 def _lead(
     count: ti.i32,
     gravity: vec3,
+    h: real,
+    tight_density: real,
     mouth: Vec4Array,
     stream: Vec4Array,
+    across: Vec4Array,
+    along: Vec4Array,
     position: Vec4Array,
     velocity: Vec4Array,
     acceleration: Vec4Array,
     tag: Vec2iArray,
+    pressed: IntArray,
 ):
+    for number in range(pressed.shape[0]):
+        pressed[number] = 0
+    for i in range(count):
+        if velocity[i].w > tight_density:
+            for number in range(pressed.shape[0]):
+                d = position[i].xyz - mouth[number].xyz
+                row, column = d.dot(across[number].xyz), d.dot(along[number].xyz)
+                ahead = d.dot(stream[number].xyz) / stream[number].w
+                beside = ti.abs(row) < across[number].w + h and ti.abs(column) < along[number].w + h
+                if beside and ahead > -h and ahead < mouth[number].w + h:
+                    pressed[number] = 1
     for i in range(count):
         if tag[i].y <= LED:
             number = LED - tag[i].y
             v, speed = stream[number].xyz, stream[number].w
             beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
-            if beyond < 0:
+            if pressed[number] == 1:
+                tag[i].y = FREE
+            elif beyond < 0:
                 velocity[i].xyz = v
                 acceleration[i].xyz = vec3(0.0)
             else:
@@ -111,13 +131,6 @@ def _lead(
                 position[i].xyz += 0.5 * since * since * gravity
                 velocity[i].xyz = v + since * gravity
                 tag[i].y = FREE
-
-
-@ti.kernel
-def _let_go(count: ti.i32, body: ti.i32, tag: Vec2iArray):
-    for i in range(count):
-        if tag[i].y == body:
-            tag[i].y = FREE
 
 
 @ti.kernel
@@ -129,37 +142,27 @@ def _examine(
     forward: vec3,
     along: vec3,
     spacing: real,
-    h: real,
-    tight_density: real,
     position: Vec4Array,
-    velocity: Vec4Array,
     tag: Vec2iArray,
     slots: IntTable,
     marks: IntArray,
-) -> ti.types.vector(3, ti.i32):
-    """Particles within h of a layer's box, the layer's own ones before it, and those of the first that are compressed;
-    what is near the points of the layer goes to `marks`."""
+) -> ti.i32:
+    """Mark the points of a layer that others are near; returns how many of its own particles are led before it."""
     for p in range(marks.shape[0]):
         marks[p] = 0
     rows, columns = slots.shape[0], slots.shape[1]
-    reach = h / spacing
-    near, led, tight = 0, 0, 0
+    led = 0
     for i in range(count):
         d = (position[i].xyz - middle) / spacing
         row, column = d.dot(across) + 0.5 * (rows - 1), d.dot(along) + 0.5 * (columns - 1)
         ahead = d.dot(forward)
-        inside = row > -reach and row < rows - 1 + reach and column > -reach and column < columns - 1 + reach
-        if inside and ti.abs(ahead) < reach:
-            near += 1
-            if velocity[i].w > tight_density:
-                tight += 1
-            if tag[i].y == own:
-                led += 1
-            else:
-                for k, m in ti.static(ti.ndrange((-1, 2), (-1, 2))):
-                    r, c = ti.round(row, ti.i32) + k, ti.round(column, ti.i32) + m
-                    if r >= 0 and r < rows and c >= 0 and c < columns:
-                        gap = vec3(row - r, column - c, ahead).norm()
-                        if slots[r, c] >= 0 and gap < ROOM:
-                            ti.atomic_max(marks[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
-    return ti.Vector([near, led, tight])
+        if tag[i].y == own:
+            led += 1
+        elif ti.abs(ahead) < 1 and row > -1 and row < rows and column > -1 and column < columns:
+            for k, m in ti.static(ti.ndrange((-1, 2), (-1, 2))):
+                r, c = ti.round(row, ti.i32) + k, ti.round(column, ti.i32) + m
+                if r >= 0 and r < rows and c >= 0 and c < columns:
+                    gap = vec3(row - r, column - c, ahead).norm()
+                    if slots[r, c] >= 0 and gap < ROOM:
+                        ti.atomic_max(marks[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
+    return led
