@@ -124,8 +124,7 @@ def _lattice(shape: Disc | Rectangle | MeshFace, pose: Pose, fluid: Fluid, folde
         case Rectangle():
             grid = tuple(int(size * pose.scale / spacing + EDGE) for size in shape.size)
             return pose.position, pose.rotation.T, _cells(grid, most), grid
-    triangles = _face(shape, pose, folder)
-    axes = _axes(triangles[0])
+    triangles, axes = _face(shape, pose, folder)
     flat = (triangles - triangles[0, 0]) @ axes[[0, 2]].T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     centre = triangles[0, 0] + (low + high) / 2 @ axes[[0, 2]]
@@ -137,6 +136,8 @@ def _lattice(shape: Disc | Rectangle | MeshFace, pose: Pose, fluid: Fluid, folde
 def _disc(radius: float, spacing: float, most: int) -> tuple[np.ndarray, tuple[int, int]]:
     """Cells and grid, around one point or between four, whichever covers the area better."""
     least = _across(2 * radius, spacing)
+    if not least:
+        return _cells((0, 0), most), (0, 0)
     choices = []
     for grid in ((least, least), (least + 1, least + 1)):
         cells = _cells(grid, most)
@@ -164,8 +165,9 @@ def _offsets(cells: np.ndarray, grid: tuple[int, int], spacing: float) -> np.nda
     return (cells - (np.array(grid) - 1) / 2) * spacing
 
 
-def _face(shape: MeshFace, pose: Pose, folder: Path) -> np.ndarray:
-    """The triangles of a face in the world [m], the given one first, shape [n, 3, 3]."""
+def _face(shape: MeshFace, pose: Pose, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """The triangles of a face in the world [m], shape [n, 3, 3], and the unit vectors along the longest edge of its
+    outline, along its normal, and across both, shape [3, 3]."""
     try:
         mesh, _ = load_mesh(shape, assets.resolve(shape.file, folder), closed=False)
     except Refused as refused:
@@ -177,19 +179,18 @@ def _face(shape: MeshFace, pose: Pose, folder: Path) -> np.ndarray:
             remedy=f"give a number from 0 to {len(mesh.faces) - 1}",
         )
     plane = next((facet for facet in mesh.facets if shape.face in facet), ())
-    members = [shape.face, *(face for face in plane if face != shape.face)]
-    corners = mesh.vertices[mesh.faces[members]]
-    return pose.to_world(corners.reshape(-1, 3)).reshape(-1, 3, 3)
-
-
-def _axes(triangle: np.ndarray) -> np.ndarray:
-    """Unit vectors along the longest edge of a triangle, along its normal, and across both; rows of shape [3, 3]."""
-    edges = np.roll(triangle, -1, axis=0) - triangle
-    forward = np.cross(edges[0], edges[1])
-    forward /= np.linalg.norm(forward)
-    along = edges[np.linalg.norm(edges, axis=1).argmax()]
-    along = along / np.linalg.norm(along)
-    return np.array([along, forward, np.cross(along, forward)])
+    faces = mesh.faces[[shape.face, *(face for face in plane if face != shape.face)]]
+    triangles = pose.to_world(mesh.vertices[faces.reshape(-1)]).reshape(-1, 3, 3)
+    # An edge is of the outline where no other triangle has it, the other way round.
+    edges = {
+        (face[k - 1], face[k]): triangle[k] - triangle[k - 1]
+        for face, triangle in zip(faces.tolist(), triangles, strict=True)
+        for k in range(3)
+    }
+    along = max((edge for (a, b), edge in edges.items() if (b, a) not in edges), key=np.linalg.norm)
+    forward = np.cross(*np.diff(triangles[0], axis=0))
+    along, forward = along / np.linalg.norm(along), forward / np.linalg.norm(forward)
+    return triangles, np.array([along, forward, np.cross(along, forward)])
 
 
 def _inside(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:

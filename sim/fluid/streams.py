@@ -45,7 +45,7 @@ class Streams:
                 [*outlet.axes[2], half[1]],
             ]
         self._tables = [ti.ndarray(vec4, size) for _ in tables]
-        """Centre and nozzle [m]; velocity and speed [m/s]; the directions across, and how far particles are there [m]."""
+        """Centre, nozzle [m]; velocity, speed [m/s]; both directions across, and how far particles are there [m]."""
         for array, values in zip(self._tables, tables, strict=True):
             array.from_numpy(values.astype(numpy_real))
         self._slots, self._marks = {}, {}
