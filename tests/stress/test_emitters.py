@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sim import segment
+from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.particles import read_frame, read_table
 from tests.solvers import SOLVERS
@@ -153,6 +154,40 @@ def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
     frames = sorted(out.glob("fluid_*.ply"))
     assert len(read_frame(out, len(frames) - 1)) <= 216
     assert max(read_frame(out, k)["density"].max() for k in range(len(frames))) <= 1300
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_step_knows_the_speed_of_emitters(simulate, solver):
+    """v dt <= cfl h / 2 from the first step, before there is any particle; a fixed step beyond is refused."""
+    scene = pool(fluid__emitters={"tap": TAP | {"speed": 4}}, fluid__solver=solver, fluid__bodies={})
+    steps = read_table(simulate(scene, 2, threads=1) / "steps.csv")
+    assert (4 * steps["dt"]).max() <= 0.4 * 0.04 * (1 + 1e-9)
+    with pytest.raises(Refused, match=r"beyond the stability limit"):
+        simulate(scene | {"step": {"fixed": 0.1}}, 2, threads=1)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_speed_beyond_all_bounds_is_refused(simulate, solver):
+    scene = pool(fluid__emitters={"tap": TAP | {"speed": 1e6}}, fluid__solver=solver)
+    with pytest.raises(Refused, match=r"emitters 1e\+06 m/s.* allows steps of"):
+        simulate(scene, 2, threads=1)
+
+
+def test_what_is_in_a_nozzle_that_moves_goes_straight_on(simulate):
+    """Without gravity: an emitter that is moved and turned, or removed, lets go of what it leads, as it is."""
+    tap = TAP | {"position": [0, 0.2, 0], "rotation": []}
+    moved = {"fluid.emitters.tap.position": [0.05, 0.1, 0], "fluid.emitters.tap.rotation": DOWN}
+    events = [{"at": 0.065, "set": moved}, {"at": 0.125, "remove": ["tap"]}]
+    scene = pool(fluid__emitters={"tap": tap}, fluid__bodies={}, events=events, gravity=[0, 0, 0])
+    scene["containers"]["tank"] |= {"position": [0, -0.2, 0], "size": [0.4, 0.8, 0.4]}
+    last = read_frame(simulate(scene, 16, threads=1), 16)
+    # 1.625 layers, then up to 3.125.
+    assert len(last) == 3 * LAYER
+    direction = np.where(last["id"] < LAYER, 1.0, -1.0)
+    np.testing.assert_allclose(last["vy"], direction * SPEED, rtol=0.01)
+    sent = np.where(last["id"] < LAYER, D, np.where(last["id"] < 2 * LAYER, 2 * D, 3 * D)) / SPEED
+    start = np.where(last["id"] < LAYER, 0.2, 0.1)
+    np.testing.assert_allclose(last["y"], start + direction * (D / 2 + SPEED * (0.16 - sent)), atol=0.01 * D)
 
 
 def test_emitters_pause_at_the_limit(simulate, capfd):

@@ -102,7 +102,7 @@ def test_events_change_them(bench, scene, case):
 
 WRONG_EVENTS = {
     "both": ("- {at: 0.1, set: {fluid.emitters.tap.rate: 1e-3}}", "events.0", "exactly one of speed and rate"),
-    "name": ("- {at: 0.1, set: {fluid.emitters.tup.speed: 2}}", "no setting 'fluid.emitters.tup.speed'", "emitters.tap"),
+    "name": ("- {at: 0.1, set: {fluid.emitters.tup.speed: 2}}", "no setting 'fluid.emitters.tup.speed'", "rs.tap.sp"),
     "gone": ("- {at: 0.1, remove: [tup]}", "events.0.remove", "did you mean 'tap'?"),
     "into a wall": (
         f"- {{at: 0.1, add: {{emitters: {{{SPEED.replace('tap', 'tup').replace('0.9', '0.05')}}}}}}}",
