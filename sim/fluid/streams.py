@@ -1,7 +1,7 @@
 """Particles on their way through the nozzles of emitters, and whether an outlet is free.
 
 A particle that is led through nozzle e has the body number LED - e, and a velocity that no force changes. Beyond
-the nozzle it gets the body number FREE. It passes the end of the nozzle within a step, and has fallen since then.
+the nozzle it gets the body number FREE. It passes the end of the nozzle within a step, and gravity acts from then on.
 """
 
 import numpy as np
@@ -127,9 +127,7 @@ def _lead(
                 velocity[i].xyz = v
                 acceleration[i].xyz = vec3(0.0)
             else:
-                since = beyond / speed
-                position[i].xyz += 0.5 * since * since * gravity
-                velocity[i].xyz = v + since * gravity
+                velocity[i].xyz = v + beyond / speed * gravity
                 tag[i].y = FREE
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from sim.fluid.kernel import cubic_host, particle_mass
 from sim.geometry.solids import rotation_matrix
 from sim.geometry.spec import Rotation
 from tests.particles import positions, read_frame, velocities
@@ -145,7 +146,8 @@ def test_in_is_out_below_a_stream(tmp_path, solver):
 
 
 def test_a_drain_takes_what_is_inside(tmp_path):
-    """Of a block at rest without gravity, all whose centres are in a ball, from `start` on; nothing else moves."""
+    """Of a block at rest without gravity, all whose centres are in a ball, from `start` on; nothing else moves, and
+    densities are those of what is left, rho = sum_j m W_ij."""
     block = {"shape": {"type": "box", "size": [0.2, 0.2, 0.2]}}
     ball = {"shape": {"type": "sphere", "radius": 0.07}, "position": [0.03, 0, 0.01], "start": 0.15}
     data = {"fps": 10, "gravity": [0, 0, 0], "fluid": {"particle_radius": R, "bodies": {"block": block}}}
@@ -156,3 +158,6 @@ def test_a_drain_takes_what_is_inside(tmp_path):
     inside = np.linalg.norm(positions(before) - [0.03, 0, 0.01], axis=1) < 0.07
     assert counts(out)["particles_drained"] == inside.sum() > 100
     assert np.array_equal(after["id"], before["id"][~inside])
+    x, h = positions(after), 4 * R
+    near = cubic_host(np.linalg.norm(x[:, None] - x, axis=2), h).sum(axis=1)
+    np.testing.assert_allclose(after["density"], particle_mass(D, h, 1000) * near, rtol=1e-4)
