@@ -199,7 +199,7 @@ class Run:
     def _apply_events(self, now: float, events: list[Event]) -> None:
         """Build the world anew as the events at this time want it, with the particles there are."""
         state = self.world.fluid.state() if self.world.fluid else None
-        emission, names, old = self._emission(), self._body_names(), self.world
+        emission, names = self._emission(), self._body_names()
         with self.stopwatch.phase("build"):
             self.world = World(spec_at(self.spec, now), self.folder, self.world.origin)
             for event in events if state is not None else ():
@@ -209,7 +209,6 @@ class Run:
                         state = state.without_body(names.index(name))
                         self.counts.particles_removed_by_events += before - state.count
                 state = self._pour(state, list(event.add.fluid))
-            self.world.take_over(old, state, emission)
         self._build(state, emission, going_on=False)
 
     def _emission(self) -> dict[str, Any]:

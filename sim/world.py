@@ -91,13 +91,6 @@ class World:
                 counts.particles_started += len(source.points) - homeless
         return state
 
-    def take_over(self, old: World, state: FluidState | None, emission: dict[str, Any]) -> None:
-        """Free the particles of `state` in nozzles of the world `old` that are not here any more."""
-        if old.outlets:
-            from sim.fluid.flow import Ledger, let_go
-
-            let_go(state.tag, old.outlets, self.outlets, Ledger(emission))
-
     def build(
         self,
         state: FluidState | None,

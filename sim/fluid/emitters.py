@@ -77,11 +77,6 @@ class Outlet:
         """Box around the particles that are led [m], shape [2, 3]."""
         return np.array([self.lane.min(axis=0), self.lane.max(axis=0)])
 
-    def is_at(self, other: Outlet) -> bool:
-        """Whether it is the same emitter in the same place."""
-        same = self.name == other.name and np.array_equal(self.centre, other.centre)
-        return same and np.array_equal(self.axes, other.axes)
-
     def way(self, begin: float, end: float) -> float:
         """How far it lets fluid move [m] from one time to another [s]."""
         return self.speed * max(0.0, min(end, self.stop) - max(begin, self.start))

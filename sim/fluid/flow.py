@@ -10,7 +10,7 @@ import numpy as np
 from sim.arrays import numpy_real
 from sim.fluid.drains import Drains, Sink
 from sim.fluid.emitters import Outlet
-from sim.fluid.streams import FREE, LED, Streams
+from sim.fluid.streams import LED, Streams
 from sim.fluid.system import FluidSystem
 
 ROUNDING = 1e-9
@@ -147,9 +147,3 @@ class Flow:
 
 def _whole(layers: float) -> int:
     return math.floor(layers + ROUNDING)
-
-
-def let_go(tag: np.ndarray, before: Sequence[Outlet], after: Sequence[Outlet], ledger: Ledger) -> None:
-    """Free the particles, whose tags are changed in place, in the nozzles that are no longer where they were."""
-    stay = [LED - ledger.of(new.name).number for new in after if any(new.is_at(old) for old in before)]
-    tag[(tag[:, 1] <= LED) & ~np.isin(tag[:, 1], stay), 1] = FREE

@@ -2,6 +2,7 @@
 
 A particle that is led through nozzle e has the body number LED - e, and a velocity that no force changes. Beyond
 the nozzle it gets the body number FREE. It passes the end of the nozzle within a step, and gravity acts from then on.
+Where an emitter has been moved or removed, what is no longer in its nozzle is free as it is.
 """
 
 import numpy as np
@@ -110,25 +111,34 @@ def _lead(
     for i in range(count):
         if velocity[i].w > tight_density:
             for number in range(pressed.shape[0]):
-                d = position[i].xyz - mouth[number].xyz
-                row, column = d.dot(across[number].xyz), d.dot(along[number].xyz)
-                ahead = d.dot(stream[number].xyz) / stream[number].w
-                beside = ti.abs(row) < across[number].w + h and ti.abs(column) < along[number].w + h
-                if beside and ahead > -h and ahead < mouth[number].w + h:
+                if near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h):
                     pressed[number] = 1
     for i in range(count):
-        if tag[i].y <= LED:
-            number = LED - tag[i].y
-            v, speed = stream[number].xyz, stream[number].w
-            beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
-            if pressed[number] == 1:
-                tag[i].y = FREE
-            elif beyond < 0:
+        number = LED - tag[i].y
+        if number >= 0:
+            led = ti.cast(False, ti.u1)
+            if number < pressed.shape[0] and pressed[number] == 0:
+                led = near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h / 2)
+            if led:
+                v, speed = stream[number].xyz, stream[number].w
+                beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
                 velocity[i].xyz = v
-                acceleration[i].xyz = vec3(0.0)
+                if beyond < 0:
+                    acceleration[i].xyz = vec3(0.0)
+                else:
+                    velocity[i].xyz += beyond / speed * gravity
+                    tag[i].y = FREE
             else:
-                velocity[i].xyz = v + beyond / speed * gravity
                 tag[i].y = FREE
+
+
+@ti.func
+def near_nozzle(x: vec3, mouth: vec4, stream: vec4, across: vec4, along: vec4, margin: real) -> ti.u1:
+    """Whether x lies in the box of a nozzle, or no further than `margin` beside it."""
+    d = x - mouth.xyz
+    ahead = d.dot(stream.xyz) / ti.max(stream.w, 1e-30)
+    beside = ti.max(ti.abs(d.dot(across.xyz)) - across.w, ti.abs(d.dot(along.xyz)) - along.w)
+    return stream.w > 0 and beside < margin and -margin < ahead and ahead < mouth.w + margin
 
 
 @ti.kernel

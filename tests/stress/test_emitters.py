@@ -190,6 +190,17 @@ def test_what_is_in_a_nozzle_that_moves_goes_straight_on(simulate):
     np.testing.assert_allclose(last["y"], start + direction * (D / 2 + SPEED * (0.16 - sent)), atol=0.01 * D)
 
 
+def test_a_run_goes_on_with_an_emitter_elsewhere(simulate):
+    """A state may go on with other settings: what is in a nozzle that is not there any more is free."""
+    tap = TAP | {"position": [0, 0.2, 0], "rotation": []}
+    scene = pool(fluid__emitters={"tap": tap}, fluid__bodies={}, gravity=[0, 0, 0])
+    first = simulate(scene, 6, "first", threads=1)
+    scene["fluid"]["emitters"] = {"tap": tap | {"position": [0, 0.1, 0], "rotation": DOWN}}
+    out = simulate(scene, 9, "second", first=7, state=first / "state_00006.npz", threads=1)
+    last = read_frame(out, 9)
+    np.testing.assert_allclose(last["vy"], np.where(last["id"] < LAYER, 1.0, -1.0) * SPEED, rtol=0.01)
+
+
 def test_emitters_pause_at_the_limit(simulate, capfd):
     """While there are 50 particles nothing comes; a drain makes room, and layers come again."""
     scene = pool(fluid__emitters={"tap": TAP}, fluid__bodies={}, fluid__max_particles=50)
