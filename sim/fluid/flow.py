@@ -111,7 +111,7 @@ class Flow:
         points = outlet.points + distance * outlet.direction
         free = self.free(points, self.time)
         if system.count:
-            free &= ~self.streams.obstructed(system, sent.number, distance)
+            free &= ~self.streams.crowded(system, sent.number, distance)
         count = int(free.sum())
         missing = len(points) - count
         self.counts.particles_blocked += missing

@@ -5,11 +5,14 @@ the nozzle it gets the body number FREE. It passes the end of the nozzle within 
 Where an emitter has been moved or removed, what is no longer in its nozzle is free as it is.
 """
 
+import math
+
 import numpy as np
 import taichi as ti
 
 from sim.arrays import IntArray, IntTable, Vec2iArray, Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.emitters import Outlet
+from sim.fluid.kernel import cubic
 from sim.fluid.system import FluidSystem
 
 FREE = -1
@@ -17,12 +20,11 @@ FREE = -1
 LED = -2
 """Body number of particles in the nozzle of emitter 0."""
 
-ROOM = 0.9
-"""A stream begins only where nothing is nearer than this many spacings: the holes of a full lattice are 0.87 wide."""
-RUNNING_ROOM = 0.7
-"""What a running stream meets is pushed away by what is led before it; nearer than this nothing may be."""
-NEAR, NEARER = 1, 2
-"""Marks of points of a layer that are nearer to other particles than ROOM, and than RUNNING_ROOM."""
+ROOM = 0.2
+"""A particle is emitted where others, but those led before it, add at most this share of the rest density: a layer
+0.9 spacings away does. With its own stream around it, it then has about 1.05 rest densities."""
+SCALE = 1 << 16
+"""Shares are summed as whole numbers of this part, so that their sum does not depend on threads."""
 TIGHT = 1.05
 """A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
 can not give way."""
@@ -49,13 +51,13 @@ class Streams:
         """Centre, nozzle [m]; velocity, speed [m/s]; both directions across, and how far particles are there [m]."""
         for array, values in zip(self._tables, tables, strict=True):
             array.from_numpy(values.astype(numpy_real))
-        self._slots, self._marks = {}, {}
+        self._slots, self._shares = {}, {}
         for number, outlet in outlets.items():
             slots = np.full(outlet.grid, -1, np.int32)
             slots[tuple(outlet.cells.T)] = np.arange(len(outlet.cells))
             self._slots[number] = ti.ndarray(ti.i32, outlet.grid)
             self._slots[number].from_numpy(slots)
-            self._marks[number] = ti.ndarray(ti.i32, len(outlet.cells))
+            self._shares[number] = ti.ndarray(ti.i32, len(outlet.cells))
 
     def lead(self, system: FluidSystem) -> None:
         """Give the particles in the nozzles their velocity, and let go of those that are through, or pressed."""
@@ -73,21 +75,23 @@ class Streams:
             self._pressed,
         )
 
-    def obstructed(self, system: FluidSystem, number: int, distance: float) -> np.ndarray:
-        """Which particles of a layer that has come `distance` [m] further would be too near to others, shape [n]."""
-        outlet, particles, marks = self.outlets[number], system.particles, self._marks[number]
-        running = _examine(
+    def crowded(self, system: FluidSystem, number: int, distance: float) -> np.ndarray:
+        """Which particles of a layer that has come `distance` [m] further would have no room, shape [n]."""
+        outlet, particles, shares = self.outlets[number], system.particles, self._shares[number]
+        _crowd(
             system.count,
             LED - number,
             vec3(*(outlet.centre + (outlet.spacing / 2 + distance) * outlet.direction - self.origin)),
             *(vec3(*axis) for axis in outlet.axes),
             outlet.spacing,
+            system.h,
+            self._slots[number],
             particles.position,
             particles.tag,
-            self._slots[number],
-            marks,
+            shares,
         )
-        return marks.to_numpy() >= (NEARER if running else NEAR)
+        one = 8 / (math.pi * system.h**3) * system.mass / system.spec.rest_density
+        return one * shares.to_numpy() > ROOM * SCALE
 
 
 @ti.kernel
@@ -142,7 +146,7 @@ def near_nozzle(x: vec3, mouth: vec4, stream: vec4, across: vec4, along: vec4, m
 
 
 @ti.kernel
-def _examine(
+def _crowd(
     count: ti.i32,
     own: ti.i32,
     middle: vec3,
@@ -150,27 +154,26 @@ def _examine(
     forward: vec3,
     along: vec3,
     spacing: real,
+    h: real,
+    slots: IntTable,
     position: Vec4Array,
     tag: Vec2iArray,
-    slots: IntTable,
-    marks: IntArray,
-) -> ti.i32:
-    """Mark the points of a layer that others are near; returns how many of its own particles are led before it."""
-    for p in range(marks.shape[0]):
-        marks[p] = 0
+    shares: IntArray,
+):
+    """Sums of W h^3 pi / 8 over all but `own` particles, at the points of a layer, in parts of SCALE."""
+    for p in range(shares.shape[0]):
+        shares[p] = 0
     rows, columns = slots.shape[0], slots.shape[1]
-    led = 0
+    reach = ti.ceil(h / spacing, ti.i32)
     for i in range(count):
         d = (position[i].xyz - middle) / spacing
         row, column = d.dot(across) + 0.5 * (rows - 1), d.dot(along) + 0.5 * (columns - 1)
         ahead = d.dot(forward)
-        if tag[i].y == own:
-            led += 1
-        elif ti.abs(ahead) < 1 and row > -1 and row < rows and column > -1 and column < columns:
-            for k, m in ti.static(ti.ndrange((-1, 2), (-1, 2))):
-                r, c = ti.round(row, ti.i32) + k, ti.round(column, ti.i32) + m
-                if r >= 0 and r < rows and c >= 0 and c < columns:
-                    gap = vec3(row - r, column - c, ahead).norm()
-                    if slots[r, c] >= 0 and gap < ROOM:
-                        ti.atomic_max(marks[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
-    return led
+        inside = row > -reach and row < rows - 1 + reach and column > -reach and column < columns - 1 + reach
+        if tag[i].y != own and inside and ti.abs(ahead) < reach:
+            r0, c0 = ti.round(row, ti.i32), ti.round(column, ti.i32)
+            for r in range(ti.max(r0 - reach, 0), ti.min(r0 + reach + 1, rows)):
+                for c in range(ti.max(c0 - reach, 0), ti.min(c0 + reach + 1, columns)):
+                    if slots[r, c] >= 0:
+                        q = vec3(row - r, column - c, ahead).norm() * spacing / h
+                        shares[slots[r, c]] += ti.round(cubic(q) * SCALE, ti.i32)
