@@ -28,7 +28,8 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
         for outlet in world.outlets:
-            parts.append(f"{outlet.name}: {outlet.rate:.3g} m^3/s, {outlet.particle_rate:,.0f} particles a second")
+            flow = f"{outlet.rate:.3g} m^3/s at {outlet.speed:.3g} m/s"
+            parts.append(f"{outlet.name}: {flow}, {outlet.particle_rate:,.0f} particles a second")
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]

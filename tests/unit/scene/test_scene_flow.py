@@ -20,7 +20,7 @@ def drains(line):
 def test_a_scene_with_both_says_what_comes(bench, scene):
     said = bench.accepts(scene("fluid:\n", emitters(SPEED, f"  drains:\n    {SINK}\n")))
     # 9 particles of 0.05 m a layer.
-    assert "tap: 0.0225 m^3/s, 180 particles a second" in said
+    assert "tap: 0.0225 m^3/s at 1 m/s, 180 particles a second" in said
 
 
 def test_a_scene_may_start_without_fluid(bench, scene):
