@@ -27,6 +27,9 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         parts.insert(0, f"{particles:,} fluid particles")
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
+        for outlet in world.outlets:
+            flow = f"{outlet.rate:.3g} m^3/s at {outlet.speed:.3g} m/s"
+            parts.append(f"{outlet.name}: {flow}, {outlet.particle_rate:,.0f} particles a second")
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]
@@ -45,6 +48,7 @@ def _in_event(refused: Refused, event: Event, index: int) -> Refused:
     """The refusal of a body that the event adds, at its place in the event."""
     for place, part in enumerate(refused.location):
         if part in event.add.names():
-            location = ("events", index, "add", refused.location[0], *refused.location[place:])
+            group = refused.location[1] if refused.location[1] in {"emitters", "drains"} else refused.location[0]
+            location = ("events", index, "add", group, *refused.location[place:])
             return Refused(refused.message, location=location, remedy=refused.remedy)
     return refused

@@ -9,11 +9,30 @@ from sim.spec import BoxContainer, SimulationSpec
 
 def refuse_unsupported(spec: SimulationSpec) -> None:
     """Raise Refused for the first setting that the schema knows and no solver does yet."""
+    _refuse_empty_fluid(spec)
+    _refuse_settings(spec)
+    current = spec.model_copy(update={"events": ()})
+    for index, event in enumerate(spec.events):
+        current = apply(current, event, index)
+        try:
+            _refuse_settings(current)
+        except Refused as refused:
+            path = ".".join(map(str, refused.location))
+            location = ("events", index, "set", path) if path in event.set else ("events", index)
+            raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+
+
+def _refuse_empty_fluid(spec: SimulationSpec) -> None:
+    if spec.fluid is None or spec.fluid.bodies or spec.fluid.emitters:
+        return
+    if not any(event.add.fluid or event.add.emitters for event in spec.events):
+        remedy = "add fluid.bodies or fluid.emitters, or an event that adds one"
+        raise Refused("the fluid has no bodies and no emitters", location=("fluid",), remedy=remedy)
+
+
+def _refuse_settings(spec: SimulationSpec) -> None:
     if spec.cloth is not None:
         raise Refused("cloth is not simulated yet", location=("cloth",), remedy="remove the cloth from the scene")
-    if spec.fluid is not None and not spec.fluid.bodies and not any(event.add.fluid for event in spec.events):
-        remedy = "add fluid.bodies, or an event that adds one"
-        raise Refused("the fluid has no bodies", location=("fluid",), remedy=remedy)
     for location, body in spec.placements():
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
@@ -39,26 +58,13 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
                 remedy="name a rigid body that is no plane",
             )
     for index, event in enumerate(spec.events):
-        if event.add.fluid and spec.fluid is None:
-            raise Refused(
-                "fluid can only be added to a scene that has a fluid section",
-                location=("events", index, "add", "fluid"),
-                remedy="give the fluid section with at least one body",
-            )
-
-    _refuse_what_events_make(spec)
-
-
-def _refuse_what_events_make(spec: SimulationSpec) -> None:
-    current = spec.model_copy(update={"events": ()})
-    for index, event in enumerate(spec.events):
-        current = apply(current, event, index)
-        try:
-            refuse_unsupported(current)
-        except Refused as refused:
-            path = ".".join(map(str, refused.location))
-            location = ("events", index, "set", path) if path in event.set else ("events", index)
-            raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+        for part in ("fluid", "emitters", "drains"):
+            if getattr(event.add, part) and spec.fluid is None:
+                raise Refused(
+                    f"{part} can only be added to a scene that has a fluid section",
+                    location=("events", index, "add", part),
+                    remedy="give the fluid section, with fluid.particle_radius",
+                )
 
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:

@@ -18,11 +18,14 @@ class Dfsph(Iisph):
     def advance(self, dt: float) -> dict[str, float]:
         """The step of IISPH, and the divergence solve after it."""
         told = super().advance(dt)
+        if not self.system.count:
+            return told
         particles, settings = self.system.particles, self.settings
         tolerance = settings.divergence_error * self.system.spec.rest_density
         solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
         if solution.iterations:
             kick(self.system.count, dt, particles.velocity, particles.kept)
+            self.system.lead()
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped
         return told

@@ -43,13 +43,18 @@ class Outlet:
 
     @functools.cached_property
     def points(self) -> np.ndarray:
-        """The particles of a layer as it leaves the outlet [m], shape [n, 3]."""
-        across = (self.cells - (np.array(self.grid) - 1) / 2) * self.spacing
-        return self.centre + across @ self.axes[[0, 2]]
+        """The particles of a layer as its back leaves the outlet, half a spacing beyond it [m], shape [n, 3]."""
+        across = _offsets(self.cells, self.grid, self.spacing)
+        return self.centre + across @ self.axes[[0, 2]] + self.spacing / 2 * self.direction
 
     @property
     def direction(self) -> np.ndarray:
         return self.axes[1]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """[m/s], shape [3]"""
+        return self.speed * self.direction
 
     @property
     def rate(self) -> float:
@@ -61,11 +66,16 @@ class Outlet:
         """[1/s]"""
         return len(self.cells) * self.speed / self.spacing
 
+    @functools.cached_property
+    def lane(self) -> np.ndarray:
+        """Where particles are led [m], every half spacing, shape [m, 3]."""
+        ways = np.arange(0.0, self.nozzle - EDGE * self.spacing, self.spacing / 2)
+        return (self.points + ways[:, None, None] * self.direction).reshape(-1, 3)
+
     @property
     def bounds(self) -> np.ndarray:
-        """Box around outlet and nozzle [m], shape [2, 3]."""
-        both = np.concatenate((self.points, self.points + self.nozzle * self.direction))
-        return np.array([both.min(axis=0), both.max(axis=0)])
+        """Box around the particles that are led [m], shape [2, 3]."""
+        return np.array([self.lane.min(axis=0), self.lane.max(axis=0)])
 
     def way(self, begin: float, end: float) -> float:
         """How far it lets fluid move [m] from one time to another [s]."""
@@ -76,7 +86,7 @@ def find_outlet(name: str, emitter: Emitter, fluid: Fluid, folder: Path, locatio
     """Place an emitter; raises Refused for a shape that is too small, or a mesh without such a face."""
     pose, spacing = Pose.of(emitter), fluid.spacing
     try:
-        centre, axes, cells, grid = _lattice(emitter.shape, pose, spacing, folder)
+        centre, axes, cells, grid = _lattice(emitter.shape, pose, fluid, folder)
     except Refused as refused:
         raise refused.at(*location, "shape") from None
     if not len(cells):
@@ -100,49 +110,59 @@ def find_outlet(name: str, emitter: Emitter, fluid: Fluid, folder: Path, locatio
     )
 
 
-def _lattice(shape: Disc | Rectangle | MeshFace, pose: Pose, spacing: float, folder: Path):
+def _lattice(shape: Disc | Rectangle | MeshFace, pose: Pose, fluid: Fluid, folder: Path):
     """Centre, axes, cells and grid of an Outlet."""
+    spacing, most = fluid.spacing, fluid.max_particles
     match shape:
         case Disc():
-            radius = shape.radius * pose.scale
-            grid = (_across(2 * radius, spacing), _across(2 * radius, spacing)) if 2 * radius > _least(spacing) else ()
-            cells = _cells(grid)
-            inside = np.hypot(*_offsets(cells, grid, spacing).T) <= radius
-            return pose.position, pose.rotation.T, cells[inside], grid
+            return pose.position, pose.rotation.T, *_disc(shape.radius * pose.scale, spacing, most)
         case Rectangle():
             grid = tuple(int(size * pose.scale / spacing + EDGE) for size in shape.size)
-            return pose.position, pose.rotation.T, _cells(grid), grid
-    triangles = _face(shape, pose, folder)
-    axes = _axes(triangles[0])
+            return pose.position, pose.rotation.T, _cells(grid, most), grid
+    triangles, axes = _face(shape, pose, folder)
     flat = (triangles - triangles[0, 0]) @ axes[[0, 2]].T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     centre = triangles[0, 0] + (low + high) / 2 @ axes[[0, 2]]
-    grid = tuple(_across(size, spacing) for size in high - low) if (high - low).min() > _least(spacing) else ()
-    cells = _cells(grid)
+    grid = tuple(_across(size, spacing) for size in high - low)
+    cells = _cells(grid, most)
     return centre, axes, cells[_inside(flat - (low + high) / 2, _offsets(cells, grid, spacing))], grid
 
 
-def _least(spacing: float) -> float:
-    return (1 - EDGE) * spacing
+def _disc(radius: float, spacing: float, most: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Cells and grid, around one point or between four, whichever covers the area better."""
+    least = _across(2 * radius, spacing)
+    if not least:
+        return _cells((0, 0), most), (0, 0)
+    choices = []
+    for grid in ((least, least), (least + 1, least + 1)):
+        cells = _cells(grid, most)
+        choices.append((cells[np.hypot(*_offsets(cells, grid, spacing).T) <= radius], grid))
+    return min(choices, key=lambda choice: abs(len(choice[0]) * spacing**2 - math.pi * radius**2))
 
 
 def _across(length: float, spacing: float) -> int:
-    """Points of a lattice along a length that is not filled with whole cells."""
-    return max(1, math.ceil(length / spacing - EDGE))
+    """Points of a lattice along a length that is not filled with whole cells; none where it is less than one."""
+    return math.ceil(length / spacing - EDGE) if length > (1 - EDGE) * spacing else 0
 
 
-def _cells(grid: tuple[int, ...]) -> np.ndarray:
-    """Rows and columns of all points of the grid, shape [n, 2]."""
-    return np.argwhere(np.ones(grid or (0, 0), dtype=bool))
+def _cells(grid: tuple[int, int], most: int) -> np.ndarray:
+    """Rows and columns of all points of the grid, shape [n, 2]; raises Refused for more points than `most`."""
+    if math.prod(grid) > most:
+        raise Refused(
+            f"a layer of {grid[0]:,} times {grid[1]:,} particles is more than fluid.max_particles = {most:,}",
+            remedy="make the outlet smaller, or use a larger particle_radius",
+        )
+    return np.argwhere(np.ones(grid, dtype=bool))
 
 
-def _offsets(cells: np.ndarray, grid: tuple[int, ...], spacing: float) -> np.ndarray:
+def _offsets(cells: np.ndarray, grid: tuple[int, int], spacing: float) -> np.ndarray:
     """Distances of the cells from the middle of the grid [m], shape [n, 2]."""
-    return (cells - (np.array(grid or (0, 0)) - 1) / 2) * spacing
+    return (cells - (np.array(grid) - 1) / 2) * spacing
 
 
-def _face(shape: MeshFace, pose: Pose, folder: Path) -> np.ndarray:
-    """The triangles of a face in the world [m], the given one first, shape [n, 3, 3]."""
+def _face(shape: MeshFace, pose: Pose, folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """The triangles of a face in the world [m], shape [n, 3, 3], and the unit vectors along the longest edge of its
+    outline, along its normal, and across both, shape [3, 3]."""
     try:
         mesh, _ = load_mesh(shape, assets.resolve(shape.file, folder), closed=False)
     except Refused as refused:
@@ -154,19 +174,18 @@ def _face(shape: MeshFace, pose: Pose, folder: Path) -> np.ndarray:
             remedy=f"give a number from 0 to {len(mesh.faces) - 1}",
         )
     plane = next((facet for facet in mesh.facets if shape.face in facet), ())
-    members = [shape.face, *(face for face in plane if face != shape.face)]
-    corners = mesh.vertices[mesh.faces[members]]
-    return pose.to_world(corners.reshape(-1, 3)).reshape(-1, 3, 3)
-
-
-def _axes(triangle: np.ndarray) -> np.ndarray:
-    """Unit vectors along the longest edge of a triangle, along its normal, and across both; rows of shape [3, 3]."""
-    edges = np.roll(triangle, -1, axis=0) - triangle
-    forward = np.cross(edges[0], edges[1])
-    forward /= np.linalg.norm(forward)
-    along = edges[np.linalg.norm(edges, axis=1).argmax()]
-    along = along / np.linalg.norm(along)
-    return np.array([along, forward, np.cross(along, forward)])
+    faces = mesh.faces[[shape.face, *(face for face in plane if face != shape.face)]]
+    triangles = pose.to_world(mesh.vertices[faces.reshape(-1)]).reshape(-1, 3, 3)
+    # An edge is of the outline where no other triangle has it, the other way round.
+    edges = {
+        (face[k - 1], face[k]): triangle[k] - triangle[k - 1]
+        for face, triangle in zip(faces.tolist(), triangles, strict=True)
+        for k in range(3)
+    }
+    along = max((edge for (a, b), edge in edges.items() if (b, a) not in edges), key=np.linalg.norm)
+    forward = np.cross(*np.diff(triangles[0], axis=0))
+    along, forward = along / np.linalg.norm(along), forward / np.linalg.norm(forward)
+    return triangles, np.array([along, forward, np.cross(along, forward)])
 
 
 def _inside(triangles: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -48,6 +48,7 @@ class Incompressible:
         """Find densities and forces of the initial state, or of one that an event has changed."""
         self.restore()
         self.momentum.accelerate()
+        self.system.lead()
 
     def restore(self) -> None:
         """Go on from a checkpoint."""
@@ -61,13 +62,17 @@ class Incompressible:
         """
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
+        system.lead()
         kick(system.count, dt, particles.velocity, particles.acceleration)
         system.boundary.move()
         told = self.mixing.mix(dt)
+        system.lead()
         mixing_capped = told["capped"]
         told |= self.press(dt)
         told["capped"] += mixing_capped
+        system.lead()
         _move(system.count, dt, particles.position, particles.velocity)
+        system.exchange(dt)
         system.find_neighbors()
         self.examine(dt)
         return told

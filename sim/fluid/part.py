@@ -72,10 +72,11 @@ class Surroundings:
 
 
 def pour(
-    state: FluidState, source: Source, body: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
+    state: FluidState, source: Source, body: int, first: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
 ) -> tuple[FluidState, int]:
     """`state` and the particles of one more body where nothing else is, and how many had no place.
 
+    `first` is the identity of the first of them, the others count on.
     Raises Refused where none has a place, or where there are more than the scene allows.
     """
     free = allowed(source.points, START_CLEARANCE * fluid.spacing)
@@ -99,7 +100,6 @@ def pour(
             location=("fluid", "max_particles"),
             remedy=f"use a particle_radius above {_radius_for(state.count + count, fluid):.3g} m, or raise the limit",
         )
-    first = int(state.tag[:, 0].max()) + 1 if state.count else 0
     fresh = FluidState(
         position=np.column_stack((points - origin, np.zeros(count))).astype(numpy_real),
         velocity=np.tile(np.array([*source.velocity, fluid.rest_density], numpy_real), (count, 1)),

@@ -1,14 +1,18 @@
 """Particles on their way through the nozzles of emitters, and whether an outlet is free.
 
 A particle that is led through nozzle e has the body number LED - e, and a velocity that no force changes. Beyond
-the nozzle it gets the body number FREE. It may be late, by less than a step; it then has fallen for that time.
+the nozzle it gets the body number FREE. It passes the end of the nozzle within a step, and gravity acts from then on.
+Where an emitter has been moved or removed, what is no longer in its nozzle is free as it is.
 """
+
+import math
 
 import numpy as np
 import taichi as ti
 
 from sim.arrays import IntArray, IntTable, Vec2iArray, Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.emitters import Outlet
+from sim.fluid.kernel import cubic
 from sim.fluid.system import FluidSystem
 
 FREE = -1
@@ -16,14 +20,14 @@ FREE = -1
 LED = -2
 """Body number of particles in the nozzle of emitter 0."""
 
-ROOM = 0.9
-"""A stream begins only where nothing is nearer than this many spacings: the holes of a full lattice are 0.87 wide."""
-RUNNING_ROOM = 0.7
-"""What a running stream meets is pushed away by what is led before it; nearer than this nothing may be."""
-NEAR, NEARER = 1, 2
-"""Marks of points that are nearer to other particles than ROOM, and than RUNNING_ROOM."""
+ROOM = 0.2
+"""A particle is emitted where others, but those led before it, add at most this share of the rest density: a layer
+0.9 spacings away does. With its own stream around it, it then has about 1.05 rest densities."""
+SCALE = 1 << 16
+"""Shares are summed as whole numbers of this part, so that their sum does not depend on threads."""
 TIGHT = 1.05
-"""Over so many rest densities the fluid before an outlet has no room for more."""
+"""A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
+can not give way."""
 
 
 class Streams:
@@ -33,95 +37,116 @@ class Streams:
         self.outlets = outlets
         self.origin = origin
         size = max(outlets, default=0) + 1
-        mouth, stream = np.zeros((size, 4)), np.zeros((size, 4))
+        self._pressed = ti.ndarray(ti.i32, size)
+        tables = np.zeros((4, size, 4))
         for number, outlet in outlets.items():
-            mouth[number] = [*(outlet.centre - origin), outlet.nozzle]
-            stream[number] = [*(outlet.speed * outlet.direction), outlet.speed]
-        self._mouth, self._stream = ti.ndarray(vec4, size), ti.ndarray(vec4, size)
-        self._mouth.from_numpy(mouth.astype(numpy_real))
-        self._stream.from_numpy(stream.astype(numpy_real))
-        self._slots, self._nearest = {}, {}
+            half = (np.array(outlet.grid) - 1) / 2 * outlet.spacing
+            tables[:, number] = [
+                [*(outlet.centre - origin), outlet.nozzle],
+                [*outlet.velocity, outlet.speed],
+                [*outlet.axes[0], half[0]],
+                [*outlet.axes[2], half[1]],
+            ]
+        self._tables = [ti.ndarray(vec4, size) for _ in tables]
+        """Centre, nozzle [m]; velocity, speed [m/s]; both directions across, and how far particles are there [m]."""
+        for array, values in zip(self._tables, tables, strict=True):
+            array.from_numpy(values.astype(numpy_real))
+        self._slots, self._shares = {}, {}
         for number, outlet in outlets.items():
             slots = np.full(outlet.grid, -1, np.int32)
             slots[tuple(outlet.cells.T)] = np.arange(len(outlet.cells))
             self._slots[number] = ti.ndarray(ti.i32, outlet.grid)
             self._slots[number].from_numpy(slots)
-            self._nearest[number] = ti.ndarray(ti.i32, len(outlet.cells))
+            self._shares[number] = ti.ndarray(ti.i32, len(outlet.cells))
 
     def lead(self, system: FluidSystem) -> None:
-        """Give the particles in the nozzles their velocity, and let go of those that are through."""
+        """Give the particles in the nozzles their velocity, and let go of those that are through, or pressed."""
         particles = system.particles
         _lead(
             system.count,
             vec3(*system.gravity),
-            self._mouth,
-            self._stream,
+            system.h,
+            TIGHT * system.spec.rest_density,
+            *self._tables,
             particles.position,
             particles.velocity,
             particles.acceleration,
             particles.tag,
+            self._pressed,
         )
 
-    def let_go(self, system: FluidSystem, number: int) -> None:
-        """Free all particles in a nozzle."""
-        _let_go(system.count, LED - number, system.particles.tag)
-
-    def obstructed(self, system: FluidSystem, number: int, distance: float) -> tuple[np.ndarray, bool]:
-        """Which points of a layer `distance` [m] beyond the outlet are too near to other fluid, shape [n], and whether
-        the fluid there is compressed."""
-        outlet, particles, nearest = self.outlets[number], system.particles, self._nearest[number]
-        near, led, tight = _examine(
+    def crowded(self, system: FluidSystem, number: int, distance: float) -> np.ndarray:
+        """Which particles of a layer that has come `distance` [m] further would have no room, shape [n]."""
+        outlet, particles, shares = self.outlets[number], system.particles, self._shares[number]
+        _crowd(
             system.count,
             LED - number,
-            vec3(*(outlet.centre + distance * outlet.direction - self.origin)),
+            vec3(*(outlet.centre + (outlet.spacing / 2 + distance) * outlet.direction - self.origin)),
             *(vec3(*axis) for axis in outlet.axes),
             outlet.spacing,
             system.h,
-            TIGHT * system.spec.rest_density,
-            particles.position,
-            particles.velocity,
-            particles.tag,
             self._slots[number],
-            nearest,
+            particles.position,
+            particles.tag,
+            shares,
         )
-        return nearest.to_numpy() >= (NEARER if led else NEAR), 2 * tight > near
+        one = 8 / (math.pi * system.h**3) * system.mass / system.spec.rest_density
+        return one * shares.to_numpy() > ROOM * SCALE
 
 
 @ti.kernel
 def _lead(
     count: ti.i32,
     gravity: vec3,
+    h: real,
+    tight_density: real,
     mouth: Vec4Array,
     stream: Vec4Array,
+    across: Vec4Array,
+    along: Vec4Array,
     position: Vec4Array,
     velocity: Vec4Array,
     acceleration: Vec4Array,
     tag: Vec2iArray,
+    pressed: IntArray,
 ):
+    for number in range(pressed.shape[0]):
+        pressed[number] = 0
     for i in range(count):
-        if tag[i].y <= LED:
-            number = LED - tag[i].y
-            v, speed = stream[number].xyz, stream[number].w
-            beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
-            if beyond < 0:
+        if velocity[i].w > tight_density:
+            for number in range(pressed.shape[0]):
+                if near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h):
+                    pressed[number] = 1
+    for i in range(count):
+        number = LED - tag[i].y
+        if number >= 0:
+            led = ti.cast(False, ti.u1)
+            if number < pressed.shape[0] and pressed[number] == 0:
+                led = near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h / 2)
+            if led:
+                v, speed = stream[number].xyz, stream[number].w
+                beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
                 velocity[i].xyz = v
-                acceleration[i].xyz = vec3(0.0)
+                if beyond < 0:
+                    acceleration[i].xyz = vec3(0.0)
+                else:
+                    velocity[i].xyz += beyond / speed * gravity
+                    tag[i].y = FREE
             else:
-                late = beyond / speed
-                position[i].xyz += 0.5 * late * late * gravity
-                velocity[i].xyz = v + late * gravity
                 tag[i].y = FREE
 
 
-@ti.kernel
-def _let_go(count: ti.i32, body: ti.i32, tag: Vec2iArray):
-    for i in range(count):
-        if tag[i].y == body:
-            tag[i].y = FREE
+@ti.func
+def near_nozzle(x: vec3, mouth: vec4, stream: vec4, across: vec4, along: vec4, margin: real) -> ti.u1:
+    """Whether x lies in the box of a nozzle, or no further than `margin` beside it."""
+    d = x - mouth.xyz
+    ahead = d.dot(stream.xyz) / ti.max(stream.w, 1e-30)
+    beside = ti.max(ti.abs(d.dot(across.xyz)) - across.w, ti.abs(d.dot(along.xyz)) - along.w)
+    return stream.w > 0 and beside < margin and -margin < ahead and ahead < mouth.w + margin
 
 
 @ti.kernel
-def _examine(
+def _crowd(
     count: ti.i32,
     own: ti.i32,
     middle: vec3,
@@ -130,36 +155,25 @@ def _examine(
     along: vec3,
     spacing: real,
     h: real,
-    tight_density: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    tag: Vec2iArray,
     slots: IntTable,
-    nearest: IntArray,
-) -> ti.types.vector(3, ti.i32):
-    """Particles within h of a layer's box, the layer's own ones before it, and those of the first that are compressed;
-    what is near the points of the layer goes to `nearest`."""
-    for p in range(nearest.shape[0]):
-        nearest[p] = 0
+    position: Vec4Array,
+    tag: Vec2iArray,
+    shares: IntArray,
+):
+    """Sums of W h^3 pi / 8 over all but `own` particles, at the points of a layer, in parts of SCALE."""
+    for p in range(shares.shape[0]):
+        shares[p] = 0
     rows, columns = slots.shape[0], slots.shape[1]
-    reach = h / spacing
-    near, led, tight = 0, 0, 0
+    reach = ti.ceil(h / spacing, ti.i32)
     for i in range(count):
         d = (position[i].xyz - middle) / spacing
         row, column = d.dot(across) + 0.5 * (rows - 1), d.dot(along) + 0.5 * (columns - 1)
         ahead = d.dot(forward)
         inside = row > -reach and row < rows - 1 + reach and column > -reach and column < columns - 1 + reach
-        if inside and ti.abs(ahead) < reach:
-            near += 1
-            if velocity[i].w > tight_density:
-                tight += 1
-            if tag[i].y == own:
-                led += 1
-            else:
-                for k, m in ti.static(ti.ndrange((-1, 2), (-1, 2))):
-                    r, c = ti.round(row, ti.i32) + k, ti.round(column, ti.i32) + m
-                    if r >= 0 and r < rows and c >= 0 and c < columns:
-                        gap = vec3(row - r, column - c, ahead).norm()
-                        if slots[r, c] >= 0 and gap < ROOM:
-                            ti.atomic_max(nearest[slots[r, c]], ti.select(gap < RUNNING_ROOM, NEARER, NEAR))
-    return ti.Vector([near, led, tight])
+        if tag[i].y != own and inside and ti.abs(ahead) < reach:
+            r0, c0 = ti.round(row, ti.i32), ti.round(column, ti.i32)
+            for r in range(ti.max(r0 - reach, 0), ti.min(r0 + reach + 1, rows)):
+                for c in range(ti.max(c0 - reach, 0), ti.min(c0 + reach + 1, columns)):
+                    if slots[r, c] >= 0:
+                        q = vec3(row - r, column - c, ahead).norm() * spacing / h
+                        shares[slots[r, c]] += ti.round(cubic(q) * SCALE, ti.i32)

@@ -51,6 +51,7 @@ class Wcsph:
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
         self._accelerate()
+        self.system.lead()
 
     def restore(self) -> None:
         """Go on from a checkpoint: it holds all that a step begins with."""
@@ -61,9 +62,12 @@ class Wcsph:
         way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
         boundary.move()
+        self.system.exchange(dt)
         self._accelerate(way)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        return self.mixing.mix(dt)
+        told = self.mixing.mix(dt)
+        self.system.lead()
+        return told
 
     def _accelerate(self, way: float = float("inf")) -> None:
         system = self.system

@@ -104,7 +104,8 @@ class MeshFace(MeshFile):
     repair: Literal[False] = False
     """Nothing is mended, so that faces keep the numbers that they have in the file."""
     face: Annotated[int, Ge(0)]
-    """Number of the triangle in the file, from 0; polygons count as the triangles they are cut into."""
+    """Number of the triangle in the file, from 0; polygons count as the triangles they are cut into, triangles without
+    area do not count."""
 
 
 ClosedShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | MeshFile, Field(discriminator="type")]
