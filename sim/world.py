@@ -54,8 +54,8 @@ class World:
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
         self.fluid: FluidPart | None = None
 
-    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts) -> FluidState:
-        """`state` with the particles of the fluid `bodies`; `names` numbers all bodies of the scene."""
+    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
+        """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
         from sim.coupling.fluid_rigid import allowed
         from sim.fluid.part import pour
 
@@ -67,14 +67,14 @@ class World:
                     names.index(source.name),
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance, 0.0),
+                    lambda points, clearance: allowed(self.obstacles, points, clearance, time),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless
         return state
 
-    def build(self, state: FluidState | None, *, going_on: bool) -> None:
-        """Build what steps; `going_on` takes accelerations as they are in `state`."""
+    def build(self, state: FluidState | None, time: float, *, going_on: bool) -> None:
+        """Build what steps from `time` [s] on; `going_on` takes accelerations as they are in `state`."""
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples, pivots
@@ -89,9 +89,11 @@ class World:
             self.origin,
             state,
             Surroundings(self.obstacles.planes(), samples, owner, pivots(self.obstacles)),
-            drop=max((self._extent_up(source.bounds)[1] for source in self.sources), default=0.0) - self.floor,
-            fastest=max((float(np.linalg.norm(source.velocity)) for source in self.sources), default=0.0),
+            drop=self._top - self.floor,
+            fastest=self._fastest,
         )
+        self._aim(time)
+        self.fluid.system.boundary.move()
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
 
     def step_limit(self, measure: Measure | None) -> float:
@@ -108,6 +110,8 @@ class World:
                 remedy = "use a lower fluid.viscosity, or larger particles"
                 return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy
         speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
+        if self.fluid.system.boundary.moves:
+            speeds += f", bodies {self.fluid.system.boundary.speed:.3g} m/s"
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
     def _step_limits(self, measure: Measure | None) -> dict[str, float]:
@@ -120,11 +124,23 @@ class World:
         if self.fluid:
             self.fluid.system.begin_frame()
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step all materials by dt [s]; returns what the solvers tell of the step."""
-        if self.fluid and self.fluid.count:
+    def advance(self, dt: float, until: float) -> dict[str, float]:
+        """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
+        if self.fluid is None:
+            return {}
+        self._aim(until)
+        if self.fluid.count:
             return self.fluid.solver.advance(dt)
+        self.fluid.system.boundary.move()
         return {}
+
+    def _aim(self, time: float) -> None:
+        """Say where the bodies that move are at `time` [s], which alone decides it."""
+        boundary = self.fluid.system.boundary
+        if boundary.moves:
+            from sim.coupling.fluid_rigid import motions
+
+            boundary.aim(motions(self.obstacles, self.origin, time))
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
@@ -140,6 +156,19 @@ class World:
         heights += [self._extent_up(source.bounds)[0] for source in self.sources]
         heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
         return min(heights, default=0.0)
+
+    @property
+    def _top(self) -> float:
+        """Height [m] that fluid starts from, or that a body which moves may lift it to."""
+        boxes = [source.bounds for source in self.sources]
+        boxes += [item.bounds for item in self.obstacles.placed if item.motion]
+        return max((self._extent_up(box)[1] for box in boxes), default=0.0)
+
+    @property
+    def _fastest(self) -> float:
+        """The greatest speed [m/s] of fluid at the start, or of a body at any time."""
+        speeds = [float(np.linalg.norm(source.velocity)) for source in self.sources]
+        return max(speeds + [item.fastest for item in self.obstacles.placed], default=0.0)
 
     @property
     def _up(self) -> np.ndarray:
@@ -179,7 +208,7 @@ def action_bounds(sources: list[Source], obstacles: Obstacles) -> np.ndarray:
     """Box around all that happens [m], shape [2, 3]: fluid, bodies, and containers as high as those."""
     boxes = [np.array(box) for box in obstacles.box_bounds()]
     inner = [np.asarray(source.bounds) for source in sources]
-    inner += [np.asarray(item.solid.bounds) for item in obstacles.placed]
+    inner += [item.bounds for item in obstacles.placed]
     inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
     top = max(box[1][1] for box in inner)
     for box in boxes:

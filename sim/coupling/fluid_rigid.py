@@ -84,20 +84,20 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     """Force [N] and torque about `centre` [N m] of the fluid on the body with this index.
 
     Every pair of a particle and a sample acts on both with equal and opposite forces along one line (Akinci et
-    al. 2012, eq. 9 and 11); coordinates and `centre` are relative to the world's origin.
+    al. 2012, eq. 9 and 11), of the pressures of all systems of equations that the solver has; coordinates and `centre`
+    are relative to the world's origin.
     """
     from scipy.spatial import cKDTree
 
-    of_body = system.boundary.owner == owner
-    samples = system.boundary.points[of_body]
-    volumes = system.boundary.volumes[of_body]
+    samples, motion, volumes = system.boundary.of_body(owner)
     position = system.particles.numpy("position").astype(np.float64)
     velocity = system.particles.numpy("velocity").astype(np.float64)
     pairs = cKDTree(position[:, :3]).sparse_distance_matrix(cKDTree(samples), system.h, output_type="coo_matrix")
     d = position[pairs.row, :3] - samples[pairs.col]
     r = np.linalg.norm(d, axis=1)
-    approach = (velocity[pairs.row, :3] * d).sum(axis=1)
-    along = -position[pairs.row, 3]
+    approach = ((velocity[pairs.row, :3] - motion[pairs.col]) * d).sum(axis=1)
+    acceleration = system.particles.numpy("acceleration").astype(np.float64)
+    along = -(position[pairs.row, 3] + acceleration[pairs.row, 3])
     damping = system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
     along += damping / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
     grip = find_grip(system.spec)
