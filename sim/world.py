@@ -78,11 +78,12 @@ class World:
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples, pivots
-        from sim.fluid.calibration import SAMPLE_DEPTH
+        from sim.fluid.calibration import sample_depth
         from sim.fluid.part import FluidPart, Surroundings
 
         spacing = self.spec.fluid.spacing
-        samples, owner = boundary_samples(self.obstacles, spacing, SAMPLE_DEPTH * spacing)
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        samples, owner = boundary_samples(self.obstacles, spacing, depth)
         self.fluid = FluidPart(
             self.spec.fluid,
             self.gravity,

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.fluid.calibration import SAMPLE_DEPTH
 from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
 from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
+from sim.geometry.edges import behind_edges
 from sim.geometry.offset import inset
 from sim.geometry.sampling import sample_surface
 from sim.geometry.solids import BoxSolid, Solid
@@ -19,15 +21,20 @@ if TYPE_CHECKING:
     import trimesh
 
 
+EDGE_ROOM = 0.6
+"""Samples of the faces nearer than this many spacings to one behind an edge give way to it."""
+
+
 def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """Samples of all surfaces and the index in `obstacles.placed` of the body of each.
 
     They lie `depth` [m] below the surface, on the side away from the fluid, so that fluid comes to
-    rest on the surface itself. Those of bodies that move lie where the body is placed. Shapes [n, 3] and [n].
+    rest on the surface itself, and no deeper behind sharp edges, which fluid would cut off otherwise.
+    Those of bodies that move lie where the body is placed. Shapes [n, 3] and [n].
     """
     points, owner = [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
     for index, item in enumerate(obstacles.placed):
-        samples = sample_surface(_surface(item, depth), spacing)
+        samples = _samples(item, spacing, depth)
         points.append(samples)
         owner.append(np.full(len(samples), index, dtype=np.int32))
     return np.concatenate(points), np.concatenate(owner)
@@ -65,6 +72,21 @@ def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float, time: fl
         distance[near & free] = item.solid.signed_distance(placed[near & free])
         free &= (distance < -clearance) if item.hollow else (distance > clearance)
     return free
+
+
+def _samples(item: Obstacle, spacing: float, depth: float) -> np.ndarray:
+    samples = sample_surface(_surface(item, depth), spacing)
+    if not item.solid.closed:
+        return samples
+    # A row weighs less than a face: with a long support, for which faces lie deep, it has to stand nearer.
+    behind = (depth + SAMPLE_DEPTH * spacing) / 2
+    edges = behind_edges(item.solid.mesh, spacing, -behind if item.hollow else behind)
+    if not len(edges):
+        return samples
+    from scipy.spatial import cKDTree
+
+    distance, _ = cKDTree(edges).query(samples)
+    return np.concatenate((samples[distance > EDGE_ROOM * spacing], edges))
 
 
 def _surface(item: Obstacle, depth: float) -> Solid | trimesh.Trimesh:
