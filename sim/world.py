@@ -57,8 +57,11 @@ class World:
     def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
         """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
         from sim.coupling.fluid_rigid import allowed
+        from sim.fluid.calibration import sample_depth
         from sim.fluid.part import pour
 
+        spacing = self.spec.fluid.spacing
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
         for source in self.sources:
             if source.name in bodies:
                 state, homeless = pour(
@@ -67,7 +70,7 @@ class World:
                     names.index(source.name),
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance, time),
+                    lambda points, clearance: allowed(self.obstacles, points, clearance, spacing, depth, time),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless

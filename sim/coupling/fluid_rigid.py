@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from sim.fluid.calibration import SAMPLE_DEPTH
 from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
 from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
+from sim.geometry.distance import MeshDistance
 from sim.geometry.edges import behind_edges
 from sim.geometry.offset import inset
 from sim.geometry.sampling import sample_surface
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     import trimesh
 
 
+ROUNDED = 0.95
+"""A surface moved along its normals is this share of the way off, or more."""
 EDGE_ROOM = 0.6
 """Samples of the faces nearer than this many spacings to one behind an edge give way to it."""
 
@@ -58,8 +62,14 @@ def motions(obstacles: Obstacles, origin: np.ndarray, time: float) -> np.ndarray
     return np.array(rows).reshape(-1, MOTION)
 
 
-def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
-    """Whether fluid can be at `points` [m], shape [n, 3], at `time` [s]: `clearance` off every solid; shape [n]."""
+def allowed(
+    obstacles: Obstacles, points: np.ndarray, clearance: float, spacing: float, depth: float, time: float
+) -> np.ndarray:
+    """Whether fluid can be at `points` [m], shape [n, 3], at `time` [s]: `clearance` [m] off every solid; shape [n].
+
+    It also keeps that much more than `depth` [m] off what is sampled, with `spacing` [m]: thin bodies and edges have no
+    room for samples that lie so deep.
+    """
     free = np.ones(len(points), dtype=bool)
     for wall in obstacles.walls:
         free &= points @ wall.normal - wall.offset > clearance
@@ -67,26 +77,42 @@ def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float, time: fl
         movement = item.movement(time)
         placed = movement.carry_back(points) if movement else points
         low, high = item.solid.bounds
-        near = np.all((placed > low - clearance) & (placed < high + clearance), axis=1)
+        reach = depth + clearance
+        near = np.all((placed > low - reach) & (placed < high + reach), axis=1) & free
         distance = np.full(len(points), np.inf)
-        distance[near & free] = item.solid.signed_distance(placed[near & free])
+        distance[near] = item.solid.signed_distance(placed[near])
         free &= (distance < -clearance) if item.hollow else (distance > clearance)
+        near &= free
+        free[near] &= _distance(_surface(item, depth), placed[near]) > ROUNDED * reach
+        edges = _behind_edges(item, spacing, depth)
+        if len(edges):
+            nearest, _ = cKDTree(edges).query(placed[near], distance_upper_bound=ROUNDED * reach)
+            free[near] &= np.isinf(nearest)
     return free
+
+
+def _distance(surface: Solid | trimesh.Trimesh, points: np.ndarray) -> np.ndarray:
+    """Distance [m] of points [m], shape [n, 3], to a surface; shape [n]."""
+    if isinstance(surface, Solid):
+        return np.abs(surface.signed_distance(points))
+    return MeshDistance(surface).unsigned(points)
 
 
 def _samples(item: Obstacle, spacing: float, depth: float) -> np.ndarray:
     samples = sample_surface(_surface(item, depth), spacing)
-    if not item.solid.closed:
-        return samples
-    # A row weighs less than a face: with a long support, for which faces lie deep, it has to stand nearer.
-    behind = (depth + SAMPLE_DEPTH * spacing) / 2
-    edges = behind_edges(item.solid.mesh, spacing, -behind if item.hollow else behind)
+    edges = _behind_edges(item, spacing, depth)
     if not len(edges):
         return samples
-    from scipy.spatial import cKDTree
-
     distance, _ = cKDTree(edges).query(samples)
     return np.concatenate((samples[distance > EDGE_ROOM * spacing], edges))
+
+
+def _behind_edges(item: Obstacle, spacing: float, depth: float) -> np.ndarray:
+    if not item.solid.closed:
+        return np.zeros((0, 3))
+    # A row weighs less than a face: with a long support, for which faces lie deep, it has to stand nearer.
+    behind = (depth + SAMPLE_DEPTH * spacing) / 2
+    return behind_edges(item.solid.mesh, spacing, -behind if item.hollow else behind)
 
 
 def _surface(item: Obstacle, depth: float) -> Solid | trimesh.Trimesh:
@@ -106,20 +132,21 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     """Force [N] and torque about `centre` [N m] of the fluid on the body with this index.
 
     Every pair of a particle and a sample acts on both with equal and opposite forces along one line (Akinci et
-    al. 2012, eq. 9 and 11), of the pressures of all systems of equations that the solver has; coordinates and `centre`
-    are relative to the world's origin.
+    al. 2012, eq. 9 and 11); coordinates and `centre` are relative to the world's origin.
     """
-    from scipy.spatial import cKDTree
-
     samples, motion, volumes = system.boundary.of_body(owner)
+    tree = cKDTree(samples)
     position = system.particles.numpy("position").astype(np.float64)
     velocity = system.particles.numpy("velocity").astype(np.float64)
-    pairs = cKDTree(position[:, :3]).sparse_distance_matrix(cKDTree(samples), system.h, output_type="coo_matrix")
+    pairs = cKDTree(position[:, :3]).sparse_distance_matrix(tree, system.h, output_type="coo_matrix")
     d = position[pairs.row, :3] - samples[pairs.col]
     r = np.linalg.norm(d, axis=1)
     approach = ((velocity[pairs.row, :3] - motion[pairs.col]) * d).sum(axis=1)
-    acceleration = system.particles.numpy("acceleration").astype(np.float64)
-    along = -(position[pairs.row, 3] + acceleration[pairs.row, 3])
+    pressure, pressed = position[:, 3], None
+    if hasattr(system.particles, "pressed"):
+        pressed = system.particles.numpy("pressed").astype(np.float64)
+        pressure = pressed[:, 3]
+    along = -pressure[pairs.row]
     damping = system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
     along += damping / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
     grip = find_grip(system.spec)
@@ -128,4 +155,14 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along
     force = -strength[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)
-    return force.sum(axis=0), torque.sum(axis=0)
+    total, turning = force.sum(axis=0), torque.sum(axis=0)
+    if pressed is not None:
+        # The pressures of the first system of equations act by the gradient where particles would have gone without.
+        before = position[:, :3] - pressed[:, :3]
+        pairs = cKDTree(before).sparse_distance_matrix(tree, system.h, output_type="coo_matrix")
+        d = before[pairs.row] - samples[pairs.col]
+        along = -position[pairs.row, 3] * cubic_slope_host(np.linalg.norm(d, axis=1), system.h)
+        force = -(system.mass * system.spec.rest_density * volumes[pairs.col] * along)[:, None] * d
+        total = total + force.sum(axis=0)
+        turning = turning + np.cross(samples[pairs.col] - centre, force).sum(axis=0)
+    return total, turning

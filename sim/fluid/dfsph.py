@@ -26,6 +26,7 @@ class Dfsph(Iisph):
         tolerance = settings.divergence_error * self.system.spec.rest_density
         solution = self.projection.solve(dt, tolerance, 1, settings.max_iterations)
         kick(count, dt, particles.velocity, particles.kept)
+        _remember(count, particles.position, particles.pressed)
         _swap(count, particles.position, particles.acceleration)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped
@@ -39,3 +40,9 @@ def _swap(count: ti.i32, position: Vec4Array, acceleration: Vec4Array):
         q = position[i].w
         position[i].w = acceleration[i].w
         acceleration[i].w = q
+
+
+@ti.kernel
+def _remember(count: ti.i32, position: Vec4Array, pressed: Vec4Array):
+    for i in range(count):
+        pressed[i].w = position[i].w

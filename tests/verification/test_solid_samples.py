@@ -1,7 +1,7 @@
 """Boundary samples guard the whole surface, its edges and corners too.
 
-A particle without neighbours is pushed by a solid when its density exceeds the rest density: what it adds itself, m W(0),
-and what the samples add, rho0 sum V_b W. Where that reaches rho0 on the surface itself, nothing gets inside.
+A particle without neighbours is pushed by a solid when its density exceeds the rest density: what it adds itself,
+m W(0), and what the samples add, rho0 sum V_b W. Where that reaches rho0 on the surface itself, nothing gets inside.
 """
 
 from __future__ import annotations
