@@ -56,12 +56,8 @@ class World:
 
     def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
         """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
-        from sim.coupling.fluid_rigid import allowed
-        from sim.fluid.calibration import sample_depth
         from sim.fluid.part import pour
 
-        spacing = self.spec.fluid.spacing
-        depth = sample_depth(spacing, self.spec.fluid.support_radius)
         for source in self.sources:
             if source.name in bodies:
                 state, homeless = pour(
@@ -70,11 +66,22 @@ class World:
                     names.index(source.name),
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance, spacing, depth, time),
+                    lambda points, clearance: self._room(points, clearance, time),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless
         return state
+
+    def _room(self, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
+        """Whether fluid can start at points [m], shape [n, 3], at `time` [s], `clearance` [m] off solids; shape [n]."""
+        from sim.coupling.fluid_rigid import allowed, off_samples
+        from sim.fluid.calibration import sample_depth
+
+        spacing = self.spec.fluid.spacing
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        free = allowed(self.obstacles, points, clearance, time)
+        free[free] = off_samples(self.obstacles, points[free], clearance, spacing, depth, time)
+        return free
 
     def build(self, state: FluidState | None, time: float, *, going_on: bool) -> None:
         """Build what steps from `time` [s] on; `going_on` takes accelerations as they are in `state`."""

@@ -62,33 +62,45 @@ def motions(obstacles: Obstacles, origin: np.ndarray, time: float) -> np.ndarray
     return np.array(rows).reshape(-1, MOTION)
 
 
-def allowed(
-    obstacles: Obstacles, points: np.ndarray, clearance: float, spacing: float, depth: float, time: float
-) -> np.ndarray:
-    """Whether fluid can be at `points` [m], shape [n, 3], at `time` [s]: `clearance` [m] off every solid; shape [n].
-
-    It also keeps that much more than `depth` [m] off what is sampled, with `spacing` [m]: thin bodies and edges have no
-    room for samples that lie so deep.
-    """
+def allowed(obstacles: Obstacles, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
+    """Whether fluid can be at `points` [m], shape [n, 3], at `time` [s]: `clearance` off every solid; shape [n]."""
     free = np.ones(len(points), dtype=bool)
     for wall in obstacles.walls:
         free &= points @ wall.normal - wall.offset > clearance
     for item in obstacles.placed:
-        movement = item.movement(time)
-        placed = movement.carry_back(points) if movement else points
-        low, high = item.solid.bounds
-        reach = depth + clearance
-        near = np.all((placed > low - reach) & (placed < high + reach), axis=1) & free
+        placed, near = _placed(item, points, clearance, time)
         distance = np.full(len(points), np.inf)
-        distance[near] = item.solid.signed_distance(placed[near])
+        distance[near & free] = item.solid.signed_distance(placed[near & free])
         free &= (distance < -clearance) if item.hollow else (distance > clearance)
+    return free
+
+
+def off_samples(
+    obstacles: Obstacles, points: np.ndarray, clearance: float, spacing: float, depth: float, time: float
+) -> np.ndarray:
+    """Whether `points` [m], shape [n, 3], are `depth` and `clearance` [m] off what is sampled at `time` [s]; shape [n].
+
+    Thin bodies and edges have no room for samples that lie `depth` below the surface.
+    """
+    free = np.ones(len(points), dtype=bool)
+    reach = ROUNDED * (depth + clearance)
+    for item in obstacles.placed:
+        placed, near = _placed(item, points, reach, time)
         near &= free
-        free[near] &= _distance(_surface(item, depth), placed[near]) > ROUNDED * reach
+        free[near] &= _distance(_surface(item, depth), placed[near]) > reach
         edges = _behind_edges(item, spacing, depth)
         if len(edges):
-            nearest, _ = cKDTree(edges).query(placed[near], distance_upper_bound=ROUNDED * reach)
+            nearest, _ = cKDTree(edges).query(placed[near], distance_upper_bound=reach)
             free[near] &= np.isinf(nearest)
     return free
+
+
+def _placed(item: Obstacle, points: np.ndarray, reach: float, time: float) -> tuple[np.ndarray, np.ndarray]:
+    """The points [m] as the placed body sees them, shape [n, 3], and which are within `reach` [m] of its box."""
+    movement = item.movement(time)
+    placed = movement.carry_back(points) if movement else points
+    low, high = item.solid.bounds
+    return placed, np.all((placed > low - reach) & (placed < high + reach), axis=1)
 
 
 def _distance(surface: Solid | trimesh.Trimesh, points: np.ndarray) -> np.ndarray:

@@ -17,7 +17,8 @@ from sim.obstacles import find_obstacles
 from sim.rigid.prescribed import Prescribed
 from sim.rigid.spec import RigidBody
 from sim.spec import SimulationSpec
-from tests.particles import read_table
+from tests.particles import positions, read_frame, read_table
+from tests.solvers import SOLVERS
 from tests.stress.scenes import pool
 
 BOX = {"type": "box", "size": [0.2, 0.04, 0.1]}
@@ -181,3 +182,45 @@ def test_a_body_that_an_event_adds_sets_off_from_where_it_is_placed(simulate):
     rows = read_table(out / "bodies.csv")
     np.testing.assert_allclose(rows["x"], 2 * (rows["time"] - 0.25), atol=1e-12)
     np.testing.assert_array_equal(rows["frame"], [3, 4, 5])
+
+
+def test_fluid_that_an_event_adds_keeps_off_a_body_where_it_is_then(simulate):
+    """A plate that has risen from 0.02 m to 0.2 m: there is room where it was, and none where it is."""
+    plate = {
+        "shape": {"type": "box", "size": [0.3, 0.08, 0.3]},
+        "position": [0, 0.04, 0],
+        "motion": "prescribed",
+        "velocity": [0, 4, 0],
+    }
+    column = {"shape": {"type": "box", "size": [0.12, 0.36, 0.12]}, "position": [0, 0.2, 0]}
+    scene = pool(
+        gravity=[0, 0, 0],
+        fluid__bodies__water__position=[0, 0.3, 0],
+        fluid__bodies__water__shape__size=[0.04, 0.04, 0.04],
+        rigid__bodies={"plate": plate},
+        events=[{"at": 0.0401, "add": {"fluid": {"column": column}}}, {"at": 0.0401, "remove": ["water"]}],
+    )
+    out = simulate(scene, 5, threads=1)
+    heights = positions(read_frame(out, 5))[:, 1]
+    middle = 0.04 + 4 * 0.05
+    assert (heights < middle - 0.04).any()
+    assert (heights > middle + 0.04).any()
+    assert not ((heights > middle - 0.04) & (heights < middle + 0.04)).any()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_steps_follow_the_speed_of_a_body(simulate, solver):
+    """The fastest sample and the fluid together move by no more than cfl h / 2, while it moves."""
+    speed, cfl, half = 20.0, 0.4, 0.04
+    ball = {
+        "shape": {"type": "sphere", "radius": 0.05},
+        "position": [2, 0.2, 0],
+        "motion": "prescribed",
+        "velocity": [0, speed, 0],
+        "start": 0.0105,
+    }
+    out = simulate(pool(fluid__solver=solver, rigid__bodies={"ball": ball}), 2, threads=1)
+    table = read_table(out / "steps.csv")
+    assert (table["dt"][table["time"] > 0.0106] <= cfl * half / speed).all()
+    if solver != "wcsph":  # whose sound allows for the greatest speed from the start
+        assert table["dt"][table["time"] < 0.0104].max() > cfl * half / speed
