@@ -72,7 +72,7 @@ def test_a_particle_on_a_boundary_sample(tmp_path, solver):
     assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
 
     def sink(x, origin):
-        x[0, :3] = np.array(ball["position"]) + [0, 0.05 - 0.8 * D, 0] - origin
+        x[0, :3] = np.add(ball["position"], [0, 0.05 - 0.8 * D, 0]) - origin
 
     changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", sink)
     out = tmp_path / "run"
