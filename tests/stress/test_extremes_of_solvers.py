@@ -174,3 +174,21 @@ def test_a_turned_container(tmp_path, solver):
     # The samples of the two meshes are the same but for rounding; what the splash makes of that stays below a spacing.
     np.testing.assert_allclose(means[1], means[0], atol=0.1 * D)
     assert read_table(tmp_path / "turned" / "steps.csv")["density_error_max"].max() < 0.3
+
+
+def test_a_piston_that_leaves_no_room(tmp_path, solver):
+    """A plate closes a full box: no fluid can be there at last, so the run stops and keeps the last good state."""
+    plate = {
+        "shape": {"type": "box", "size": [0.5, 0.1, 0.5]},
+        "position": [0, 0.45, 0],
+        "motion": "prescribed",
+        "velocity": [0, -2, 0],
+    }
+    scene = pool(
+        fps=50,
+        fluid__solver=solver,
+        fluid__bodies__water={"shape": {"type": "box", "size": [0.4, 0.2, 0.4]}, "position": [0, 0.1, 0]},
+        rigid__bodies={"plate": plate},
+    )
+    assert ends(scene, tmp_path, tmp_path / "run", 10) == 3
+    assert list((tmp_path / "run").glob("state_*.npz"))
