@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from sim.fluid.calibration import SAMPLE_DEPTH
 from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
-from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance import MeshDistance
 from sim.geometry.edges import behind_edges
@@ -54,6 +53,8 @@ def motions(obstacles: Obstacles, origin: np.ndarray, time: float) -> np.ndarray
 
     Coordinates are relative to `origin` [m].
     """
+    from sim.fluid.moving import MOTION
+
     rows = [
         np.concatenate((now.rotation.ravel(), now.position - origin, now.velocity, now.angular_velocity))
         for now in (item.movement(time) for item in obstacles.placed)

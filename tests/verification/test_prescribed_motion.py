@@ -7,7 +7,9 @@ positions agree with that to the second order of their step.
 
 from __future__ import annotations
 
+import json
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from sim.rigid.spec import RigidBody
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame, read_table
 from tests.solvers import SOLVERS
-from tests.stress.scenes import pool
+from tests.stress.scenes import finish, pool, segment_command
 
 BOX = {"type": "box", "size": [0.2, 0.04, 0.1]}
 TILTED = [{"axis": [1, 0, 0], "angle": 30}]
@@ -166,6 +168,21 @@ def test_frames_tell_where_a_body_is(simulate):
             np.testing.assert_allclose(found @ truth(0.0)[1], turn, atol=1e-9)
     last = rows[rows["body"] == "spun"][-1]
     assert [last[name] for name in ("vx", "vy", "vz", "wx", "wy", "wz")] == [0.5, -0.25, 1, 0, 0, 3]
+
+
+@pytest.mark.parametrize("motion", [{}, {"motion": "prescribed", "velocity": [0, 1, 0]}], ids=["stands", "moves"])
+def test_a_scene_in_which_nothing_moves_loads_nothing_for_it(tmp_path, motion):
+    scene = pool(rigid__bodies={"ball": {"shape": {"type": "sphere", "radius": 0.05}, **motion}})
+    code = (
+        "import json, sys; from sim.segment import main; main(sys.argv[1:]);"
+        "print(json.dumps(sorted(name for name in sys.modules if name.startswith('sim.'))))"
+    )
+    options = segment_command(scene, tmp_path / "out", "0:1")[3:]
+    done = finish([sys.executable, "-c", code, *options], tmp_path)
+    modules = set(json.loads(done.stdout.splitlines()[-1]))
+    assert "sim.coupling.fluid_rigid" in modules
+    assert ({"sim.fluid.moving", "sim.rigid.prescribed", "sim.rigid.movement"} <= modules) == bool(motion)
+    assert bool(modules & {"sim.fluid.moving", "sim.rigid.prescribed", "sim.rigid.movement"}) == bool(motion)
 
 
 def test_steps_land_on_keyframes(simulate):
