@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.solvers import SOLVERS
-from tests.stress.scenes import contents, make_faults, pool
+from tests.stress.scenes import contents, make_faults, pool, run_segment
 from tests.stress.test_resume import IN_FRAME_4, assert_continued
 
 KEYS = [
@@ -60,3 +60,14 @@ def test_a_repeated_frame_is_as_if_it_were_the_first_try(simulate, monkeypatch):
     assert contents(outs[0], "bodies.csv") == contents(outs[1], "bodies.csv")
     first = contents(simulate(scene("wcsph"), 6, "plain", threads=1), "bodies.csv")
     assert first == contents(outs[0], "bodies.csv")
+
+
+@pytest.mark.parametrize("solver", ["wcsph", "dfsph"])
+def test_threads_do_not_matter(tmp_path, solver):
+    outs = []
+    for threads in (1, 2):
+        outs.append(tmp_path / str(threads))
+        done = run_segment(scene(solver), outs[-1], "0:4", "--threads", threads)
+        assert done.returncode == 0, done.stderr
+    for pattern in ("fluid_*.ply", "state_*.npz", "bodies.csv"):
+        assert contents(outs[0], pattern) == contents(outs[1], pattern)
