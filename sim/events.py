@@ -62,12 +62,14 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
     ):
         added = getattr(event.add, addition)
         if added:
-            data.setdefault(group, {}).setdefault(field, {}).update(
-                {name: body.model_dump(mode="python", exclude_none=True) for name, body in added.items()}
-            )
+            dumped = {name: body.model_dump(mode="python", exclude_none=True) for name, body in added.items()}
+            data.setdefault(group, {}).setdefault(field, {}).update(dumped)
     data["containers"].update(
         {name: body.model_dump(mode="python", exclude_none=True) for name, body in event.add.containers.items()}
     )
+    for name, body in event.add.rigid.items():
+        if body.motion == "prescribed" and not body.keyframes and body.start is None:
+            data["rigid"]["bodies"][name]["start"] = event.at
     for name in event.remove:
         data["containers"].pop(name, None)
         for field in ("emitters", "drains"):

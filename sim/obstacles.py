@@ -38,9 +38,13 @@ class Obstacle:
         """How the solid has been moved at `time` [s]; None for one that stands."""
         return self.motion.at(time) if self.motion else None
 
+    def centre_at(self, time: float) -> np.ndarray:
+        """Where its centre is at `time` [m], shape [3]."""
+        return self.motion.at(time).carry(self.centre) if self.motion else self.centre
+
     @functools.cached_property
     def centre(self) -> np.ndarray:
-        """Centre of mass [m], or of the bounding box of a surface without inside, shape [3]."""
+        """Centre of mass as placed [m], or of the bounding box of a surface without inside, shape [3]."""
         return self.solid.mass_properties(1.0).centre if self.solid.closed else self.solid.bounds.mean(axis=0)
 
     @functools.cached_property

@@ -16,14 +16,14 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         try:
             world = World(spec_at(spec, event.at), folder)
             if event.add.fluid:
-                _pour(world, list(event.add.fluid))
+                _pour(world, list(event.add.fluid), event.at)
         except Refused as refused:
             raise _in_event(refused, event, index) from None
     world = World(spec_at(spec, 0.0), folder)
     solids = len(world.obstacles.placed) + len(world.obstacles.boxes)
     parts = [f"{solids} solid{'' if solids == 1 else 's'}"]
     if spec.fluid is not None:
-        particles, counts = _pour(world, list(spec.fluid.bodies))
+        particles, counts = _pour(world, list(spec.fluid.bodies), 0.0)
         parts.insert(0, f"{particles:,} fluid particles")
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
@@ -36,12 +36,12 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
     return "; ".join(parts)
 
 
-def _pour(world: World, bodies: list[str]) -> tuple[int, Counts]:
-    """How many particles the fluid bodies have, as if no other fluid were there; raises Refused."""
+def _pour(world: World, bodies: list[str], time: float) -> tuple[int, Counts]:
+    """How many particles the fluid bodies have at `time` [s], as if no other fluid were there; raises Refused."""
     from sim.fluid.part import FluidState
 
     counts = Counts()
-    return world.pour(FluidState(), bodies, bodies, counts).count, counts
+    return world.pour(FluidState(), bodies, bodies, counts, time).count, counts
 
 
 def _in_event(refused: Refused, event: Event, index: int) -> Refused:

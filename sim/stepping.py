@@ -164,12 +164,14 @@ class Run:
             if fault is not None:
                 return fault
             start = time.perf_counter()
-            rest = until - self.clock.time
+            target = self._target(until)
+            rest = target - self.clock.time
             wanted = self._wanted_step()
             dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
-            told = self.world.advance(dt)
+            after = target if dt == rest else self.clock.time + dt
+            told = self.world.advance(dt, after)
             self.measure = self.world.measure()
-            self.clock.time = self.world.time = until if dt == rest else self.clock.time + dt
+            self.clock.time = after
             self.clock.last_step = wanted
             self.clock.step += 1
             wall = time.perf_counter() - start
@@ -183,6 +185,11 @@ class Run:
             output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)
         return None
+
+    def _target(self, until: float) -> float:
+        """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
+        keyframe = self.world.obstacles.next_keyframe(self.clock.time)
+        return keyframe if keyframe < until - TIME_TOLERANCE else until
 
     def _wanted_step(self) -> float:
         """The step [s] before the end of a frame cuts it."""
@@ -221,15 +228,14 @@ class Run:
         return names + [name for event in self.spec.events for name in event.add.fluid]
 
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
-        return self.world.pour(state, self._body_names(), bodies, self.counts) if bodies else state
+        return self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time) if bodies else state
 
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         if state is not None:
             with self.stopwatch.phase("compile"):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
-            self.world.time = self.clock.time
-            self.world.build(state, emission, self.counts, self.warn, going_on=going_on)
+            self.world.build(state, emission, self.counts, self.warn, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()
         self._refuse()
 

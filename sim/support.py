@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from sim.events import apply
+from sim.rigid.spec import RigidBody
 from sim.settings import Refused
 from sim.spec import BoxContainer, SimulationSpec
 
@@ -37,11 +40,11 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
             raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
-        if group == "rigid" and body.motion != "static":
+        if group == "rigid" and body.motion == "dynamic":
             raise Refused(
-                f"rigid bodies with motion '{body.motion}' are not simulated yet",
+                "rigid bodies with motion 'dynamic' are not simulated yet",
                 location=(*location, "motion"),
-                remedy="use motion: static",
+                remedy="use motion: static or prescribed",
             )
         if group == "containers" and not isinstance(body, BoxContainer) and spec.fluid is None:
             raise Refused("a mesh container without fluid holds nothing", location=location, remedy="add fluid")
@@ -65,6 +68,39 @@ def _refuse_settings(spec: SimulationSpec) -> None:
                     location=("events", index, "add", part),
                     remedy="give the fluid section, with fluid.particle_radius",
                 )
+
+    _refuse_what_events_make(spec)
+
+
+def _refuse_what_events_make(spec: SimulationSpec) -> None:
+    current = spec.model_copy(update={"events": ()})
+    for index, event in enumerate(spec.events):
+        before, current = current, apply(current, event, index)
+        _refuse_jumps(before, current, index)
+        try:
+            refuse_unsupported(current)
+        except Refused as refused:
+            path = ".".join(map(str, refused.location))
+            location = ("events", index, "set", path) if path in event.set else ("events", index)
+            raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+
+
+def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> None:
+    """Raise Refused where an event changes how a body moves, which would take it elsewhere at once."""
+    bodies = before.rigid.bodies if before.rigid else {}
+    for name, body in (after.rigid.bodies if after.rigid else {}).items():
+        earlier = bodies.get(name, body)
+        if "prescribed" in (earlier.motion, body.motion) and _path(earlier) != _path(body):
+            raise Refused(
+                f"the motion of '{name}' can not be changed by an event",
+                location=("events", index),
+                remedy="give all of it as keyframes from the start",
+            )
+
+
+def _path(body: RigidBody) -> tuple[Any, ...]:
+    shape = (body.shape, body.position, body.rotation, body.scale)
+    return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
 
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:

@@ -71,9 +71,8 @@ class World:
         self.time = 0.0
         """Of the present state [s]; told by who steps."""
 
-    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts) -> FluidState:
-        """`state` with the particles of the fluid `bodies`; `names` numbers all bodies of the scene."""
-        from sim.coupling.fluid_rigid import allowed
+    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
+        """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
         from sim.fluid.part import pour
 
         for source in self.sources:
@@ -85,11 +84,22 @@ class World:
                     counts.particles_started + counts.particles_emitted,
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance, 0.0),
+                    lambda points, clearance: self._room(points, clearance, time),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless
         return state
+
+    def _room(self, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
+        """Whether fluid can start at points [m], shape [n, 3], at `time` [s], `clearance` [m] off solids; shape [n]."""
+        from sim.coupling.fluid_rigid import allowed, off_samples
+        from sim.fluid.calibration import sample_depth
+
+        spacing = self.spec.fluid.spacing
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        free = allowed(self.obstacles, points, clearance, time)
+        free[free] = off_samples(self.obstacles, points[free], clearance, spacing, depth, time)
+        return free
 
     def build(
         self,
@@ -97,31 +107,36 @@ class World:
         emission: dict[str, Any],
         counts: Counts,
         warn: Callable[[str], None],
+        time: float,
         *,
         going_on: bool,
     ) -> None:
-        """Build what steps; `going_on` takes accelerations as they are in `state`.
+        """Build what steps from `time` [s] on; `going_on` takes accelerations as they are in `state`.
 
         `emission` is what emitters remember; they count in `counts`.
         """
         self.emission = emission
+        self.time = time
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples, pivots
-        from sim.fluid.calibration import SAMPLE_DEPTH
+        from sim.fluid.calibration import sample_depth
         from sim.fluid.part import FluidPart, Surroundings
 
         spacing = self.spec.fluid.spacing
-        samples, owner = boundary_samples(self.obstacles, spacing, SAMPLE_DEPTH * spacing)
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        samples, owner = boundary_samples(self.obstacles, spacing, depth)
         self.fluid = FluidPart(
             self.spec.fluid,
             self.gravity,
             self.origin,
             state,
             Surroundings(self.obstacles.planes(), samples, owner, pivots(self.obstacles)),
-            drop=max((self._extent_up(inflow.bounds)[1] for inflow in self._inflows), default=0.0) - self.floor,
-            fastest=max((float(np.linalg.norm(inflow.velocity)) for inflow in self._inflows), default=0.0),
+            drop=self._top - self.floor,
+            fastest=self._fastest,
         )
+        self._aim(time)
+        self.fluid.system.boundary.move()
         if self.outlets or self.sinks:
             self.flow = self.fluid.system.flow = self._build_flow(counts, warn)
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
@@ -145,6 +160,8 @@ class World:
         speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
         if self.flow and self.flow.fastest(self.time):
             speeds += f", emitters {self.flow.fastest(self.time):.3g} m/s"
+        if self.fluid.system.boundary.moves:
+            speeds += f", bodies {self.fluid.system.boundary.speed:.3g} m/s"
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
     def _step_limits(self, measure: Measure | None) -> dict[str, float]:
@@ -159,15 +176,30 @@ class World:
         if self.fluid:
             self.fluid.system.begin_frame()
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step all materials by dt [s]; returns what the solvers tell of the step."""
+    def advance(self, dt: float, until: float) -> dict[str, float]:
+        """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
+        told = self._advance_fluid(dt, until) if self.fluid else {}
+        self.time = until
+        return told
+
+    def _advance_fluid(self, dt: float, until: float) -> dict[str, float]:
+        self._aim(until)
         if self.flow:
             self.flow.time = self.time
-        if self.fluid and self.fluid.count:
+        if self.fluid.count:
             return self.fluid.solver.advance(dt)
+        self.fluid.system.boundary.move()
         if self.flow and self.flow.exchange(dt):
             self.fluid.solver.start()
         return {}
+
+    def _aim(self, time: float) -> None:
+        """Say where the bodies that move are at `time` [s], which alone decides it."""
+        boundary = self.fluid.system.boundary
+        if boundary.moves:
+            from sim.coupling.fluid_rigid import motions
+
+            boundary.aim(motions(self.obstacles, self.origin, time))
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
@@ -194,6 +226,19 @@ class World:
     def _inflows(self) -> list[Source | Outlet]:
         """Where fluid comes from."""
         return [*self.sources, *self.outlets]
+
+    @property
+    def _top(self) -> float:
+        """Height [m] that fluid comes in at, or that a body which moves may lift it to."""
+        boxes = [inflow.bounds for inflow in self._inflows]
+        boxes += [item.bounds for item in self.obstacles.placed if item.motion]
+        return max((self._extent_up(box)[1] for box in boxes), default=0.0)
+
+    @property
+    def _fastest(self) -> float:
+        """The greatest speed [m/s] of fluid that comes in, or of a body at any time."""
+        speeds = [float(np.linalg.norm(inflow.velocity)) for inflow in self._inflows]
+        return max(speeds + [item.fastest for item in self.obstacles.placed], default=0.0)
 
     @property
     def _up(self) -> np.ndarray:
@@ -275,7 +320,7 @@ def action_bounds(sources: Sequence[Source | Outlet], obstacles: Obstacles) -> n
     """Box around all that happens [m], shape [2, 3]: fluid, bodies, and containers as high as those."""
     boxes = [np.array(box) for box in obstacles.box_bounds()]
     inner = [np.asarray(source.bounds) for source in sources]
-    inner += [np.asarray(item.solid.bounds) for item in obstacles.placed]
+    inner += [item.bounds for item in obstacles.placed]
     inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
     top = max(box[1][1] for box in inner)
     for box in boxes:

@@ -8,7 +8,6 @@ import taichi as ti
 from sim.arrays import numpy_real, vec4
 from sim.fluid.calibration import sample_weight
 from sim.fluid.kernel import cubic_host
-from sim.fluid.moving import MovingSamples
 from sim.neighbors import NeighborList, StaticGrid
 
 
@@ -51,6 +50,8 @@ class Boundary:
         self.velocity.fill(0)
         self.neighbors = NeighborList(48)
         if self.moves:
+            from sim.fluid.moving import MovingSamples
+
             arms = [points[group] - pivots[index] for index, group in zip(pivots, groups[1:], strict=True)]
             body = np.repeat(np.arange(len(pivots)), [len(group) for group in groups[1:]])
             self._moving = MovingSamples(

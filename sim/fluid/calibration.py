@@ -23,7 +23,10 @@ from sim.fluid.kernel import (
 )
 
 SAMPLE_DEPTH = 0.8
-"""Samples lie this many spacings below the surface that the fluid is to meet."""
+"""Samples lie this many spacings below the surface that the fluid is to meet, up to a support of two spacings."""
+DEEPER = 0.7
+"""By this share of a longer support they lie deeper: at one depth for all, they would weigh so little there that a
+particle without neighbours passes through."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,8 @@ class Wall:
 
 
 def calibrate_wall(spacing: float, h: float) -> Wall:
-    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force; the overlap makes
-    the density along an edge right."""
+    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force; the overlap
+    makes the density along an edge right."""
     missing = lack(spacing, h)
     ratio = missing.density / (2 * missing.force * h)
     low, high = 0.0, 0.999
@@ -76,9 +79,14 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
     return Wall(low * h, missing.density / halfspace_volume_host(low), overlap)
 
 
+def sample_depth(spacing: float, h: float) -> float:
+    """How far samples lie below the surface that the fluid is to meet [m]."""
+    return SAMPLE_DEPTH * spacing + DEEPER * max(0.0, h - 2.0 * spacing)
+
+
 def sample_weight(spacing: float, h: float) -> float:
-    """Factor on the volume of boundary samples, `SAMPLE_DEPTH` below the surface, that makes the density right."""
-    distance = (SAMPLE_DEPTH + 0.5) * spacing
+    """Factor on the volume of boundary samples, `sample_depth` below the surface, that makes the density right."""
+    distance = sample_depth(spacing, h) + 0.5 * spacing
     near = cubic_host(np.hypot(_across(spacing, h), distance), h).sum()
     return lack(spacing, h).density / (sample_volume(spacing, h) * float(near))
 

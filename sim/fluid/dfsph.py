@@ -6,6 +6,9 @@ velocities at the new positions what would compress the fluid further, where tha
 
 from typing import ClassVar
 
+import taichi as ti
+
+from sim.arrays import Vec4Array
 from sim.fluid.iisph import Iisph
 from sim.fluid.incompressible import kick
 
@@ -26,6 +29,14 @@ class Dfsph(Iisph):
         if solution.iterations:
             kick(self.system.count, dt, particles.velocity, particles.kept)
             self.system.lead()
+            if self.system.boundary.count:
+                _remember(self.system.count, particles.search, particles.pressed)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped
         return told
+
+
+@ti.kernel
+def _remember(count: ti.i32, search: Vec4Array, pressed: Vec4Array):
+    for i in range(count):
+        pressed[i].w = search[i].x

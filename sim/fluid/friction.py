@@ -15,7 +15,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Vec4Array, mat3, real, vec3
-from sim.fluid.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
+from sim.fluid.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
 from sim.fluid.spec import Fluid
@@ -142,7 +142,7 @@ def find_grip(spec: Fluid) -> Grip:
     the surface as much as a plane wall does. Towards the surface, where pairs point, it is some four times as much.
     """
     spacing, h = spec.spacing, spec.support_radius
-    rest = (SAMPLE_DEPTH + 0.5) * spacing / h
+    rest = sample_depth(spacing, h) / h + 0.5 * spacing / h
     if spec.wall_slip == "free_slip":
         return NO_GRIP
     r = rest + (np.arange(2000) + 0.5) * (1.0 - rest) / 2000

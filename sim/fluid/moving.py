@@ -3,7 +3,7 @@
 import numpy as np
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, numpy_real, real, vec3, vec4
+from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, numpy_real, real, vec4
 from sim.neighbors import HashGrid, NeighborList
 
 MOTION = 18

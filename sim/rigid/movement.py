@@ -26,7 +26,7 @@ class Movement:
     """[rad/s]"""
 
     def carry(self, points: np.ndarray) -> np.ndarray:
-        """Where points of the placed shape are now [m], shape [n, 3]."""
+        """Where points of the placed shape are now [m], shape [n, 3], or one of shape [3]."""
         return (points - self.pivot) @ self.rotation.T + self.position
 
     def carry_back(self, points: np.ndarray) -> np.ndarray:
@@ -34,12 +34,8 @@ class Movement:
         return (points - self.position) @ self.rotation + self.pivot
 
     def velocity_at(self, points: np.ndarray) -> np.ndarray:
-        """Velocity [m/s] of the body where it is at points [m] of the world now, shape [n, 3]."""
+        """Velocity [m/s] of the body where it is at points [m] of the world now, shape [n, 3] or [3]."""
         return self.velocity + np.cross(self.angular_velocity, points - self.position)
-
-    def speed_within(self, reach: float) -> float:
-        """Upper bound of the speed [m/s] of all points within `reach` [m] of the body's own origin."""
-        return float(np.linalg.norm(self.velocity) + reach * np.linalg.norm(self.angular_velocity))
 
     def quaternion(self) -> np.ndarray:
         """The rotation as w, x, y, z of unit length with w >= 0, shape [4]."""

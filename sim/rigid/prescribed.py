@@ -4,7 +4,7 @@ A keyframe says where the body's own origin is (`position` of a placement: the c
 a mesh) and how the body is turned about it (`rotation` of a placement). Between two keyframes the origin moves straight
 at constant velocity, and the body turns about one axis at constant angular velocity, which is the spherical linear
 interpolation of quaternions (Shoemake 1985). Before the first and after the last keyframe it is at rest. Without
-keyframes it starts from its placement at time 0 and keeps its velocity and angular velocity.
+keyframes it rests where it is placed until its `start`, and then keeps its velocity and angular velocity.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Prescribed:
     """
 
     def __init__(self, body: RigidBody):
-        self._pieces = _between_keyframes(body) if body.keyframes else [_constant(body)]
+        self._pieces = _between_keyframes(body) if body.keyframes else _constant(body)
         self._starts = [piece.start for piece in self._pieces]
         self.pivot = self._pieces[0].position
         """The body's own origin as its shape is placed: at the first keyframe [m], shape [3]."""
@@ -54,7 +54,7 @@ class Prescribed:
     def at(self, time: float) -> Movement:
         """Where the body is at `time` [s]."""
         piece = self._pieces[bisect.bisect_right(self._starts, time + TIME_TOLERANCE) - 1]
-        passed = time - max(piece.start, 0.0)
+        passed = time - piece.start if math.isfinite(piece.start) else 0.0
         rotation = Rotation.from_rotvec(passed * piece.angular_velocity).as_matrix() @ piece.rotation
         return Movement(
             pivot=self.pivot,
@@ -96,14 +96,13 @@ def _turned_box(arms: np.ndarray, angular_velocity: np.ndarray) -> tuple[np.ndar
     return (middles - half).min(axis=0), (middles + half).max(axis=0)
 
 
-def _constant(body: RigidBody) -> _Piece:
-    return _Piece(
-        start=-math.inf,
-        position=np.array(body.position),
-        rotation=rotation_matrix(body.rotation),
-        velocity=np.array(body.velocity),
-        angular_velocity=np.array(body.angular_velocity),
-    )
+def _constant(body: RigidBody) -> list[_Piece]:
+    """At rest up to the start, then in steady motion."""
+    place, turn = np.array(body.position), rotation_matrix(body.rotation)
+    return [
+        _Piece(-math.inf, place, turn, np.zeros(3), np.zeros(3)),
+        _Piece(body.start or 0.0, place, turn, np.array(body.velocity), np.array(body.angular_velocity)),
+    ]
 
 
 def _between_keyframes(body: RigidBody) -> list[_Piece]:

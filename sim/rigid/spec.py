@@ -37,6 +37,8 @@ class RigidBody(Placement):
     """Of a dynamic body at the start; of a prescribed one without keyframes, its origin's for ever [m/s]."""
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
     """Likewise [rad/s]: a prescribed body spins about its own origin."""
+    start: Duration | None = None
+    """When a prescribed body without keyframes sets off [s]; by default at 0, or when an event adds it."""
     keyframes: tuple[Keyframe, ...] = ()
     """Where a prescribed body is, sorted by time; it is at rest before the first and after the last."""
     friction: Annotated[Dimensionless, Ge(0), Le(10)] = 0.5
@@ -50,15 +52,17 @@ class RigidBody(Placement):
         if self.motion == "prescribed" and not (self.keyframes or moves):
             raise ValueError("motion: prescribed needs keyframes, or velocity or angular_velocity")
         if self.motion != "prescribed" and self.keyframes:
-            raise ValueError("keyframes need motion: prescribed")
+            raise ValueError("keyframes are for prescribed bodies: add `motion: prescribed`, or remove them")
         if self.motion == "static" and moves:
-            raise ValueError("velocity and angular_velocity need motion: dynamic or prescribed")
+            raise ValueError("velocities are for bodies that move: add `motion: prescribed`, or remove them")
         if self.keyframes and moves:
-            raise ValueError("keyframes and a velocity or angular_velocity exclude each other")
+            raise ValueError("keyframes exclude velocity and angular_velocity: give one of the two")
+        if self.start is not None and (self.motion != "prescribed" or self.keyframes):
+            raise ValueError("start is for prescribed bodies without keyframes: remove it")
         if self.keyframes and any(self.position) and self.position != self.keyframes[0].position:
             raise ValueError("position differs from that of the first keyframe: leave position out")
         if self.motion != "static" and self.shape.type in {"plane", "sheet"}:
-            raise ValueError(f"a {self.shape.type} can only be static")
+            raise ValueError(f"motion of a {self.shape.type} can only be static: use a thin box")
         return self
 
     @model_validator(mode="after")
@@ -66,8 +70,8 @@ class RigidBody(Placement):
         for earlier, later in itertools.pairwise(self.keyframes):
             if later.at <= earlier.at:
                 raise ValueError(
-                    f"keyframes must be sorted by their time, each later than the one before: "
-                    f"{later.at:g} s follows {earlier.at:g} s"
+                    f"the keyframe at {later.at:g} s follows the one at {earlier.at:g} s: "
+                    "sort keyframes by their time, no two at the same"
                 )
             if self._turned(earlier, later) >= 180.0:
                 raise ValueError(

@@ -62,7 +62,7 @@ def draw(out, solver: str, across: int) -> dict[float, tuple[float, float]]:
     }
     c, s = np.cos(2 * TURN), np.sin(2 * TURN)
     gradient = RATE * np.array([[-c, -s, 0], [-s, c, 0], [0, 0, 0]])
-    run_changed(spec, out, round(FPS), lambda x, _: x @ gradient)
+    run_changed(spec, out, FPS, lambda x, _: x @ gradient)
     frames = {0.0: 0} | {time: round(time * FPS / RATE) for time in AXES}
     squares = {time: np.cov(positions(read_frame(out, frame))[:, :2].T) for time, frame in frames.items()}
     return {time: tuple(RADIUS * np.sqrt(np.linalg.eigvalsh(squares[time] / squares[0.0][0, 0]))) for time in AXES}
