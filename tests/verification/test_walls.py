@@ -1,8 +1,6 @@
 """Where plane walls meet: a lattice of particles in an edge or a corner lies at rest density, and gradients are those
 of the density."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
@@ -16,7 +14,7 @@ WALLS = np.hstack((np.eye(3), np.zeros((3, 1))))
 """Three planes at right angles, the fluid where all coordinates are positive."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def share(taichi):
     """What walls add at points [m], shape [n, 3]: gradient [1/m] and share of the rest density, shape [n, 4]."""
     import taichi as ti
