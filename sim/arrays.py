@@ -14,8 +14,10 @@ real = ti.f64 if precision.chosen == "double" else ti.f32
 numpy_real = np.float64 if precision.chosen == "double" else np.float32
 
 vec2i = ti.types.vector(2, ti.i32)
+vec2 = ti.types.vector(2, real)
 vec3 = ti.types.vector(3, real)
 vec4 = ti.types.vector(4, real)
+mat3 = ti.types.matrix(3, 3, real)
 
 Vec4Array = ti.types.ndarray(dtype=vec4, ndim=1)
 Vec2iArray = ti.types.ndarray(dtype=vec2i, ndim=1)
@@ -66,7 +68,7 @@ class Particles:
         array.fill(0)
         return array
 
-    def reorder(self, order: ti.Ndarray, count: int | None = None) -> None:
+    def reorder(self, order: ti.Ndarray | np.ndarray, count: int | None = None) -> None:
         """Bring the sorted arrays into `order`: element i comes from order[i]; `count` keeps the first of them only."""
         self.count = self.count if count is None else count
         for field in self.declared:
@@ -92,6 +94,18 @@ class Particles:
                 whole = np.zeros((self.capacity, width), kind)
                 whole[: self.count] = state[field.name].reshape(self.count, width)
                 getattr(self, field.name).from_numpy(whole[:, 0] if width == 1 else whole)
+
+    def extend(self, fresh: dict[str, np.ndarray]) -> None:
+        """Hold more after those there are: the values of the saved arrays by name, shape [n, components]."""
+        first, number = self.count, len(next(iter(fresh.values())))
+        if first + number > self.capacity:
+            state = self.state()
+            self.load({name: np.concatenate((state[name], values)) for name, values in fresh.items()})
+            return
+        self.count += number
+        for field in self.declared:
+            if field.saved:
+                _PUT[field.element](first, number, fresh[field.name], getattr(self, field.name))
 
     def numpy(self, name: str) -> np.ndarray:
         """A copy of one array, shape [count, components], or [count] of numbers."""
@@ -124,4 +138,23 @@ def _gather_real(count: ti.i32, order: IntArray, source: RealArray, target: Real
         target[i] = source[order[i]]
 
 
+@ti.kernel
+def _put_vec4(first: ti.i32, number: ti.i32, source: Vec4Array, target: Vec4Array):
+    for i in range(number):
+        target[first + i] = source[i]
+
+
+@ti.kernel
+def _put_vec2i(first: ti.i32, number: ti.i32, source: Vec2iArray, target: Vec2iArray):
+    for i in range(number):
+        target[first + i] = source[i]
+
+
+@ti.kernel
+def _put_real(first: ti.i32, number: ti.i32, source: RealArray, target: RealArray):
+    for i in range(number):
+        target[first + i] = source[i]
+
+
+_PUT = {"vec4": _put_vec4, "vec2i": _put_vec2i, "real": _put_real}
 _GATHER = {"vec4": _gather_vec4, "vec2i": _gather_vec2i, "real": _gather_real}

@@ -35,11 +35,12 @@ class Clock:
 
 @dataclass
 class Checkpoint:
-    """A clock, the counts so far, the next times of the probes, and the particles."""
+    """A clock, the counts so far, the next times of the probes, what emitters have sent, and the particles."""
 
     clock: Clock
     counts: dict[str, int]
     probe_times: dict[str, float]
+    emission: dict[str, Any]
     origin: np.ndarray
     fluid: FluidState | None
 
@@ -54,6 +55,7 @@ class Checkpoint:
             "clock": asdict(self.clock),
             "counts": self.counts,
             "probe_times": self.probe_times,
+            "emission": self.emission,
             "layout": _layout(spec),
         }
         arrays: dict[str, Any] = {"meta": np.array(json.dumps(meta, sort_keys=True)), "origin": self.origin}
@@ -79,7 +81,8 @@ class Checkpoint:
             fluid = FluidState(**{name: _particles(path, arrays, name, kind) for name, kind in kinds.items()})
             if len({len(values) for values in vars(fluid).values()}) > 1:
                 raise _damaged(path, "its arrays differ in length")
-        return cls(Clock(**meta["clock"]), meta["counts"], meta["probe_times"], arrays["origin"], fluid)
+        clock, emission = Clock(**meta["clock"]), meta.get("emission", {})
+        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid)
 
 
 def state_name(frame: int) -> str:

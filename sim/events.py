@@ -53,17 +53,27 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
     particles are taken out by the world.
     """
     data = spec.model_dump(mode="python", exclude_none=True)
-    for group, field in (("fluid", "bodies"), ("rigid", "bodies"), ("cloth", "sheets")):
-        added = getattr(event.add, group)
+    for addition, group, field in (
+        ("fluid", "fluid", "bodies"),
+        ("emitters", "fluid", "emitters"),
+        ("drains", "fluid", "drains"),
+        ("rigid", "rigid", "bodies"),
+        ("cloth", "cloth", "sheets"),
+    ):
+        added = getattr(event.add, addition)
         if added:
-            data.setdefault(group, {}).setdefault(field, {}).update(
-                {name: body.model_dump(mode="python", exclude_none=True) for name, body in added.items()}
-            )
+            dumped = {name: body.model_dump(mode="python", exclude_none=True) for name, body in added.items()}
+            data.setdefault(group, {}).setdefault(field, {}).update(dumped)
     data["containers"].update(
         {name: body.model_dump(mode="python", exclude_none=True) for name, body in event.add.containers.items()}
     )
+    for name, body in event.add.rigid.items():
+        if body.motion == "prescribed" and not body.keyframes and body.start is None:
+            data["rigid"]["bodies"][name]["start"] = event.at
     for name in event.remove:
         data["containers"].pop(name, None)
+        for field in ("emitters", "drains"):
+            data.get("fluid", {}).get(field, {}).pop(name, None)
         for group, field in (("rigid", "bodies"), ("cloth", "sheets")):
             if group in data:
                 data[group][field].pop(name, None)

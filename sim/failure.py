@@ -133,7 +133,8 @@ def _suspects(world: World) -> list[dict[str, Any]]:
     speed = np.linalg.norm(state.velocity[:, :3], axis=1)
     density = state.velocity[:, 3] / world.spec.fluid.rest_density
     positions = state.position[:, :3].astype(np.float64) + world.origin
-    depth = np.max([wall.offset - positions @ wall.normal for wall in world.obstacles.walls], axis=0, initial=0.0)
+    depths = (wall.offset - positions @ wall.normal for wall in world.obstacles.walls)
+    depth = np.max([np.zeros(state.count), *depths], axis=0)
     limits = (density / DENSITY_LIMIT, speed / world.fluid.fastest_signal, 2 * depth / world.fluid.system.h)
     badness = np.nan_to_num(np.maximum.reduce(limits), nan=np.inf, posinf=np.inf)
     suspects = []

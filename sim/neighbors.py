@@ -107,8 +107,7 @@ class NeighborList:
 
         `same`: the others are the particles themselves; none is in its own list, but pads it.
         """
-        if count > self._rows:
-            self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+        self.reserve(count)
         while count:
             longest = _build(
                 count,
@@ -124,8 +123,17 @@ class NeighborList:
             )
             if longest + LANES <= self.capacity:
                 return
-            self.capacity = -(-(longest + LANES) * 5 // 4 // 16) * 16
-            self._allocate(self._rows)
+            self.grow(longest)
+
+    def reserve(self, count: int) -> None:
+        """Make room for the lists of `count` particles; where there was less, none is kept."""
+        if count > self._rows:
+            self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+
+    def grow(self, longest: int) -> None:
+        """Make room for lists of `longest` and more; none is kept."""
+        self.capacity = -(-(longest + LANES) * 5 // 4 // 16) * 16
+        self._allocate(self._rows)
 
     @property
     def bytes(self) -> int:

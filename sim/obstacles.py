@@ -1,10 +1,12 @@
-"""The static solids of a scene as the fluid and the renderer need them: walls, surfaces, insides."""
+"""The solids of a scene as the fluid and the renderer need them: walls, surfaces, insides, and how they move."""
 
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,19 +16,51 @@ from sim.geometry.spec import Placement, Plane
 from sim.settings import Refused
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
+if TYPE_CHECKING:
+    from sim.rigid.movement import Movement
+    from sim.rigid.prescribed import Prescribed
+    from sim.rigid.spec import RigidBody
+
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A body with a surface mesh. `hollow`: its inside holds the fluid, as a mesh container's does."""
+    """A body with a surface mesh. `hollow`: its inside holds the fluid, as a mesh container's does.
+
+    The solid of a body with a motion is the one that is moved: placed as at the motion's start, whatever the time.
+    """
 
     name: str
     solid: Solid
     hollow: bool = False
+    motion: Prescribed | None = None
+
+    def movement(self, time: float) -> Movement | None:
+        """How the solid has been moved at `time` [s]; None for one that stands."""
+        return self.motion.at(time) if self.motion else None
+
+    def centre_at(self, time: float) -> np.ndarray:
+        """Where its centre is at `time` [m], shape [3]."""
+        return self.motion.at(time).carry(self.centre) if self.motion else self.centre
 
     @functools.cached_property
     def centre(self) -> np.ndarray:
-        """Centre of mass [m], or of the bounding box of a surface without inside, shape [3]."""
+        """Centre of mass as placed [m], or of the bounding box of a surface without inside, shape [3]."""
         return self.solid.mass_properties(1.0).centre if self.solid.closed else self.solid.bounds.mean(axis=0)
+
+    @functools.cached_property
+    def reach(self) -> float:
+        """Greatest distance [m] of its surface from the origin about which it turns."""
+        return float(np.linalg.norm(self.solid.mesh.vertices - self.motion.pivot, axis=1).max())
+
+    @functools.cached_property
+    def bounds(self) -> np.ndarray:
+        """Box around all places where it comes [m], shape [2, 3]; a motion without end counts where it starts."""
+        return self.motion.sweep(self.solid.mesh.vertices) if self.motion else np.asarray(self.solid.bounds)
+
+    @property
+    def fastest(self) -> float:
+        """The greatest speed [m/s] of its surface at any time."""
+        return self.motion.fastest(self.reach) if self.motion else 0.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +86,11 @@ class Obstacles:
 
     def bounds(self) -> list[np.ndarray]:
         """Boxes around everything that ends somewhere [m], each of shape [2, 3]."""
-        return [np.asarray(item.solid.bounds) for item in self.placed] + self.box_bounds()
+        return [item.bounds for item in self.placed] + self.box_bounds()
+
+    def next_keyframe(self, time: float) -> float:
+        """The first time after `time` [s] at which the velocity of a body jumps; infinite where none does."""
+        return min((item.motion.next_keyframe(time) for item in self.placed if item.motion), default=math.inf)
 
     def box_surfaces(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """The closed sides of the box containers, facing inward: vertices [m] and triangles."""
@@ -72,7 +110,7 @@ def find_obstacles(spec: SimulationSpec, folder: Path) -> Obstacles:
         if isinstance(body.shape, Plane):
             walls.append(_plane(name, body.shape, body))
         else:
-            placed.append(Obstacle(name, _placed(body, folder, ("rigid", "bodies", name))))
+            placed.append(_body(name, body, folder))
     for name, container in spec.containers.items():
         if isinstance(container, BoxContainer):
             boxes[name] = container
@@ -88,6 +126,19 @@ def box_bounds(container: BoxContainer) -> np.ndarray:
     size, base = np.array(container.size), np.array(container.position)
     low = base - [size[0] / 2, 0.0, size[2] / 2]
     return np.array([low, low + size])
+
+
+def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
+    motion = None
+    if body.motion == "prescribed":
+        from sim.rigid.prescribed import Prescribed
+
+        motion = Prescribed(body)
+        if body.keyframes:
+            first = body.keyframes[0]
+            turned = body.rotation if first.rotation is None else first.rotation
+            body = body.model_copy(update={"position": first.position, "rotation": turned})
+    return Obstacle(name, _placed(body, folder, ("rigid", "bodies", name)), motion=motion)
 
 
 def _placed(body: Placement, folder: Path, location: tuple[str, ...]) -> Solid:

@@ -13,6 +13,7 @@ from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.fluid.system import Measure
+    from sim.obstacles import Obstacle
     from sim.world import World
 
 BODY_COLUMNS = ("frame", "time", "body", "x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
@@ -47,8 +48,12 @@ class Output:
             self._statistics: tuple[str, ...] = ()
             return ()
         from sim.fluid import load_solver
+        from sim.fluid.mixing import viscosity_is_implicit
+        from sim.fluid.part import SLOWEST
 
         self._statistics = load_solver(spec.fluid.solver).STATISTICS
+        if viscosity_is_implicit(spec.fluid, np.array(spec.gravity), SLOWEST * spec.fluid.spacing):
+            self._statistics += ("viscosity_iterations",)
         return FLUID_COLUMNS + self._statistics
 
     def step(
@@ -98,7 +103,7 @@ class Output:
         for item in world.obstacles.placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
             if not item.hollow:
-                self.bodies.add(frame, time, item.name, *item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0)
+                self.bodies.add(frame, time, item.name, *_body_state(item, time))
         for name, (vertices, faces) in world.obstacles.box_surfaces().items():
             if name not in self._meshes:
                 self._meshes.add(name)
@@ -117,12 +122,22 @@ class Output:
     def _tables(self) -> list[Table]:
         return [self.bodies, self.steps] + ([self.probes] if self.probes else [])
 
-    def _mesh(self, name: str, kind: str, item) -> None:
+    def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
         if name not in self._meshes:
             self._meshes.add(name)
             mesh = item.solid.mesh
             centre = np.zeros(3) if item.hollow else item.centre
             write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces)
+
+
+def _body_state(item: Obstacle, time: float) -> list[float]:
+    """Centre of mass [m], rotation since it was placed (w, x, y, z), and the velocities [m/s] and [rad/s] of both."""
+    movement = item.movement(time)
+    if movement is None:
+        return [*item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+    centre = item.centre_at(time)
+    velocity = movement.velocity_at(centre)
+    return [*centre, *movement.quaternion(), *velocity, *movement.angular_velocity]
 
 
 def fluid_points(world: World) -> np.ndarray:

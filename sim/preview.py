@@ -16,35 +16,39 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         try:
             world = World(spec_at(spec, event.at), folder)
             if event.add.fluid:
-                _pour(world, list(event.add.fluid))
+                _pour(world, list(event.add.fluid), event.at)
         except Refused as refused:
             raise _in_event(refused, event, index) from None
     world = World(spec_at(spec, 0.0), folder)
     solids = len(world.obstacles.placed) + len(world.obstacles.boxes)
     parts = [f"{solids} solid{'' if solids == 1 else 's'}"]
     if spec.fluid is not None:
-        particles, counts = _pour(world, list(spec.fluid.bodies))
+        particles, counts = _pour(world, list(spec.fluid.bodies), 0.0)
         parts.insert(0, f"{particles:,} fluid particles")
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
+        for outlet in world.outlets:
+            flow = f"{outlet.rate:.3g} m^3/s at {outlet.speed:.3g} m/s"
+            parts.append(f"{outlet.name}: {flow}, {outlet.particle_rate:,.0f} particles a second")
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]
     return "; ".join(parts)
 
 
-def _pour(world: World, bodies: list[str]) -> tuple[int, Counts]:
-    """How many particles the fluid bodies have, as if no other fluid were there; raises Refused."""
+def _pour(world: World, bodies: list[str], time: float) -> tuple[int, Counts]:
+    """How many particles the fluid bodies have at `time` [s], as if no other fluid were there; raises Refused."""
     from sim.fluid.part import FluidState
 
     counts = Counts()
-    return world.pour(FluidState(), bodies, bodies, counts).count, counts
+    return world.pour(FluidState(), bodies, bodies, counts, time).count, counts
 
 
 def _in_event(refused: Refused, event: Event, index: int) -> Refused:
     """The refusal of a body that the event adds, at its place in the event."""
     for place, part in enumerate(refused.location):
         if part in event.add.names():
-            location = ("events", index, "add", refused.location[0], *refused.location[place:])
+            group = refused.location[1] if refused.location[1] in {"emitters", "drains"} else refused.location[0]
+            location = ("events", index, "add", group, *refused.location[place:])
             return Refused(refused.message, location=location, remedy=refused.remedy)
     return refused

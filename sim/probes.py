@@ -29,7 +29,7 @@ class Probes:
         names = [name for name in self.probes if self.due[name] <= time + 1e-12]
         if not names or world.fluid is None:
             return
-        view = FluidView(world)
+        view = FluidView(world, time)
         for name in names:
             probe = self.probes[name]
             rate = probe.rate or self.fps
@@ -39,12 +39,13 @@ class Probes:
 
 
 class FluidView:
-    """Particles on the host, as one probe after another looks at them; world coordinates."""
+    """Particles on the host at `time` [s], as one probe after another looks at them; world coordinates."""
 
-    def __init__(self, world: World):
+    def __init__(self, world: World, time: float):
         part = world.fluid
         state = part.state()
         self.world = world
+        self.time = time
         self.h = part.system.h
         self.mass = part.system.mass
         self.spec = part.system.spec
@@ -113,7 +114,8 @@ class FluidView:
 
         for index, item in enumerate(self.world.obstacles.placed):
             if item.name == body:
-                return reaction(self.world.fluid.system, index, item.centre - self.world.origin)
+                centre = item.centre_at(self.time) - self.world.origin
+                return reaction(self.world.fluid.system, index, centre)
         return np.zeros(3), np.zeros(3)
 
 

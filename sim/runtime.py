@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import sys
 
 _running: tuple[str, int] | None = None
 
@@ -43,3 +44,14 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
             )
             _running = wanted
     return device
+
+
+def compiled_kernels() -> list[str]:
+    """The kernels of this project that this process has compiled or taken from the cache, as `module.function`."""
+    found = []
+    for module in [module for name, module in sys.modules.items() if name.startswith("sim.")]:
+        for value in vars(module).values():
+            kernel = getattr(value, "_primal", None)
+            if kernel is not None and kernel.compiled_kernels and value.__module__ == module.__name__:
+                found.append(f"{value.__module__}.{value.__name__}")
+    return sorted(found)

@@ -22,7 +22,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim import precision
+from sim import precision, runtime
 from sim.checkpoint import Checkpoint, state_name
 from sim.failure import Fault, Interrupted, Stopped, report
 from sim.files import Reserve, write_json
@@ -199,6 +199,8 @@ def _summary(run: Run, status: int, start_time: float, wall: float) -> dict[str,
         "versions": {name: version(name) for name in ("tidemill", "taichi", "numpy") if _installed(name)},
         "device": run.device,
         "modules": modules,
+        "kernels": runtime.compiled_kernels(),
+        "chosen": run.world.choices(),
         "bytes": run.world.bytes_by_module(),
         "counts": vars(run.counts)
         | {

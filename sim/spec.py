@@ -12,7 +12,7 @@ from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
 from sim.cloth.spec import Cloth, ClothSheet
-from sim.fluid.spec import Fluid, FluidBody
+from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import MeshFile, Placement
 from sim.rigid.spec import Rigid, RigidBody
 from sim.settings import Name, Settings
@@ -124,12 +124,14 @@ class Addition(Settings):
     """What an event brings in."""
 
     fluid: dict[Name, FluidBody] = {}
+    emitters: dict[Name, Emitter] = {}
+    drains: dict[Name, Drain] = {}
     rigid: dict[Name, RigidBody] = {}
     cloth: dict[Name, ClothSheet] = {}
     containers: dict[Name, Container] = {}
 
     def names(self) -> list[str]:
-        return [*self.fluid, *self.rigid, *self.cloth, *self.containers]
+        return [*self.fluid, *self.emitters, *self.drains, *self.rigid, *self.cloth, *self.containers]
 
 
 class Event(Settings):
@@ -138,7 +140,7 @@ class Event(Settings):
     at: PositiveDuration
     add: Addition = Addition()
     remove: tuple[Name, ...] = ()
-    """Names of bodies, sheets or containers that vanish."""
+    """Names of bodies, emitters, drains, sheets or containers that vanish; what an emitter has sent stays."""
     set: dict[str, Any] = {}
     """New values by dotted path, as `fluid.viscosity: 0.01` or `gravity: [0, 0, 0]`."""
 
@@ -183,9 +185,9 @@ class SimulationSpec(Settings):
         return frozenset(present)
 
     def body_names(self) -> list[str]:
-        """Names of all bodies, sheets and containers, of the start and of the events."""
+        """Names of all bodies, emitters, drains, sheets and containers, of the start and of the events."""
         names = [*self.containers]
-        names += self.fluid.bodies if self.fluid else []
+        names += [*self.fluid.bodies, *self.fluid.emitters, *self.fluid.drains] if self.fluid else []
         names += self.rigid.bodies if self.rigid else []
         names += self.cloth.sheets if self.cloth else []
         for event in self.events:
@@ -195,13 +197,19 @@ class SimulationSpec(Settings):
     def placements(self) -> list[tuple[tuple[str | int, ...], Any]]:
         """Every body with a shape, with its path in the scene."""
         found: list[tuple[tuple[str | int, ...], Any]] = []
-        for group, field in (("fluid", "bodies"), ("rigid", "bodies"), ("cloth", "sheets")):
+        for group, field in (
+            ("fluid", "bodies"),
+            ("fluid", "emitters"),
+            ("fluid", "drains"),
+            ("rigid", "bodies"),
+            ("cloth", "sheets"),
+        ):
             material = getattr(self, group)
             if material is not None:
                 found += [((group, field, name), body) for name, body in getattr(material, field).items()]
         found += [(("containers", name), body) for name, body in self.containers.items()]
         for index, event in enumerate(self.events):
-            for group in ("fluid", "rigid", "cloth", "containers"):
+            for group in ("fluid", "emitters", "drains", "rigid", "cloth", "containers"):
                 bodies = getattr(event.add, group)
                 found += [(("events", index, "add", group, name), body) for name, body in bodies.items()]
         return found

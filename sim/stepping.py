@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sim import runtime
 from sim.checkpoint import Checkpoint, Clock
@@ -74,7 +74,7 @@ class Run:
 
             with self.stopwatch.phase("build"):
                 state = self._pour(FluidState(), list(self.spec.fluid.bodies))
-        self._build(state, going_on=False)
+        self._build(state, {}, going_on=False)
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint, byte for byte as the run that made it."""
@@ -84,7 +84,7 @@ class Run:
         self.probes = Probes(self.spec, checkpoint.probe_times)
         with self.stopwatch.phase("build"):
             self.world = World(spec_before(self.spec, self.clock.time), self.folder, checkpoint.origin)
-        self._build(checkpoint.fluid, going_on=True)
+        self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
 
     def checkpoint(self) -> Checkpoint:
         """The state between two steps."""
@@ -92,6 +92,7 @@ class Run:
             clock=Clock(**asdict(self.clock)),
             counts=asdict(self.counts),
             probe_times=dict(self.probes.due),
+            emission=self._emission(),
             origin=self.world.origin,
             fluid=self.world.fluid.state() if self.world.fluid else None,
         )
@@ -163,12 +164,14 @@ class Run:
             if fault is not None:
                 return fault
             start = time.perf_counter()
-            rest = until - self.clock.time
+            target = self._target(until)
+            rest = target - self.clock.time
             wanted = self._wanted_step()
             dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
-            told = self.world.advance(dt)
+            after = target if dt == rest else self.clock.time + dt
+            told = self.world.advance(dt, after)
             self.measure = self.world.measure()
-            self.clock.time = until if dt == rest else self.clock.time + dt
+            self.clock.time = after
             self.clock.last_step = wanted
             self.clock.step += 1
             wall = time.perf_counter() - start
@@ -182,6 +185,11 @@ class Run:
             output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)
         return None
+
+    def _target(self, until: float) -> float:
+        """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
+        keyframe = self.world.obstacles.next_keyframe(self.clock.time)
+        return keyframe if keyframe < until - TIME_TOLERANCE else until
 
     def _wanted_step(self) -> float:
         """The step [s] before the end of a frame cuts it."""
@@ -198,7 +206,7 @@ class Run:
     def _apply_events(self, now: float, events: list[Event]) -> None:
         """Build the world anew as the events at this time want it, with the particles there are."""
         state = self.world.fluid.state() if self.world.fluid else None
-        names = self._body_names()
+        emission, names = self._emission(), self._body_names()
         with self.stopwatch.phase("build"):
             self.world = World(spec_at(self.spec, now), self.folder, self.world.origin)
             for event in events if state is not None else ():
@@ -208,7 +216,11 @@ class Run:
                         state = state.without_body(names.index(name))
                         self.counts.particles_removed_by_events += before - state.count
                 state = self._pour(state, list(event.add.fluid))
-        self._build(state, going_on=False)
+        self._build(state, emission, going_on=False)
+
+    def _emission(self) -> dict[str, Any]:
+        """What emitters have sent."""
+        return self.world.flow.ledger.state() if self.world.flow else self.world.emission
 
     def _body_names(self) -> list[str]:
         """Fluid bodies in the order in which they are numbered: those of the start, then of the events."""
@@ -216,14 +228,14 @@ class Run:
         return names + [name for event in self.spec.events for name in event.add.fluid]
 
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
-        return self.world.pour(state, self._body_names(), bodies, self.counts) if bodies else state
+        return self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time) if bodies else state
 
-    def _build(self, state: FluidState | None, *, going_on: bool) -> None:
+    def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         if state is not None:
             with self.stopwatch.phase("compile"):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
-            self.world.build(state, going_on=going_on)
+            self.world.build(state, emission, self.counts, self.warn, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()
         self._refuse()
 

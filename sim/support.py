@@ -2,27 +2,49 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from sim.events import apply
+from sim.rigid.spec import RigidBody
 from sim.settings import Refused
 from sim.spec import BoxContainer, SimulationSpec
 
 
 def refuse_unsupported(spec: SimulationSpec) -> None:
     """Raise Refused for the first setting that the schema knows and no solver does yet."""
+    _refuse_empty_fluid(spec)
+    _refuse_settings(spec)
+    current = spec.model_copy(update={"events": ()})
+    for index, event in enumerate(spec.events):
+        current = apply(current, event, index)
+        try:
+            _refuse_settings(current)
+        except Refused as refused:
+            path = ".".join(map(str, refused.location))
+            location = ("events", index, "set", path) if path in event.set else ("events", index)
+            raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+
+
+def _refuse_empty_fluid(spec: SimulationSpec) -> None:
+    if spec.fluid is None or spec.fluid.bodies or spec.fluid.emitters:
+        return
+    if not any(event.add.fluid or event.add.emitters for event in spec.events):
+        remedy = "add fluid.bodies or fluid.emitters, or an event that adds one"
+        raise Refused("the fluid has no bodies and no emitters", location=("fluid",), remedy=remedy)
+
+
+def _refuse_settings(spec: SimulationSpec) -> None:
     if spec.cloth is not None:
         raise Refused("cloth is not simulated yet", location=("cloth",), remedy="remove the cloth from the scene")
-    if spec.fluid is not None and not spec.fluid.bodies and not any(event.add.fluid for event in spec.events):
-        remedy = "add fluid.bodies, or an event that adds one"
-        raise Refused("the fluid has no bodies", location=("fluid",), remedy=remedy)
     for location, body in spec.placements():
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
             raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
-        if group == "rigid" and body.motion != "static":
+        if group == "rigid" and body.motion == "dynamic":
             raise Refused(
-                f"rigid bodies with motion '{body.motion}' are not simulated yet",
+                "rigid bodies with motion 'dynamic' are not simulated yet",
                 location=(*location, "motion"),
-                remedy="use motion: static",
+                remedy="use motion: static or prescribed",
             )
         if group == "containers" and not isinstance(body, BoxContainer) and spec.fluid is None:
             raise Refused("a mesh container without fluid holds nothing", location=location, remedy="add fluid")
@@ -39,12 +61,13 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
                 remedy="name a rigid body that is no plane",
             )
     for index, event in enumerate(spec.events):
-        if event.add.fluid and spec.fluid is None:
-            raise Refused(
-                "fluid can only be added to a scene that has a fluid section",
-                location=("events", index, "add", "fluid"),
-                remedy="give the fluid section with at least one body",
-            )
+        for part in ("fluid", "emitters", "drains"):
+            if getattr(event.add, part) and spec.fluid is None:
+                raise Refused(
+                    f"{part} can only be added to a scene that has a fluid section",
+                    location=("events", index, "add", part),
+                    remedy="give the fluid section, with fluid.particle_radius",
+                )
 
     _refuse_what_events_make(spec)
 
@@ -52,13 +75,32 @@ def refuse_unsupported(spec: SimulationSpec) -> None:
 def _refuse_what_events_make(spec: SimulationSpec) -> None:
     current = spec.model_copy(update={"events": ()})
     for index, event in enumerate(spec.events):
-        current = apply(current, event, index)
+        before, current = current, apply(current, event, index)
+        _refuse_jumps(before, current, index)
         try:
             refuse_unsupported(current)
         except Refused as refused:
             path = ".".join(map(str, refused.location))
             location = ("events", index, "set", path) if path in event.set else ("events", index)
             raise Refused(refused.message, location=location, remedy=refused.remedy) from None
+
+
+def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> None:
+    """Raise Refused where an event changes how a body moves, which would take it elsewhere at once."""
+    bodies = before.rigid.bodies if before.rigid else {}
+    for name, body in (after.rigid.bodies if after.rigid else {}).items():
+        earlier = bodies.get(name, body)
+        if "prescribed" in (earlier.motion, body.motion) and _path(earlier) != _path(body):
+            raise Refused(
+                f"the motion of '{name}' can not be changed by an event",
+                location=("events", index),
+                remedy="give all of it as keyframes from the start",
+            )
+
+
+def _path(body: RigidBody) -> tuple[Any, ...]:
+    shape = (body.shape, body.position, body.rotation, body.scale)
+    return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
 
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:

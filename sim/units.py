@@ -118,6 +118,7 @@ Mass = Annotated[float, Ge(1e-15), Le(1e15), Unit("kg")]
 AreaDensity = Annotated[float, Ge(1e-6), Le(1e6), Unit("kg/m^2")]
 KinematicViscosity = Annotated[float, Ge(0), Le(1e6), Unit("m^2/s")]
 SurfaceTension = Annotated[float, Ge(0), Le(1e6), Unit("N/m")]
+VolumeRate = Annotated[float, Gt(0), Le(1e9), Unit("m^3/s")]
 """The bounds are far from every film; within them no product of a few settings overflows."""
 
 Position = tuple[Length, Length, Length]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.fluid.drains import Sink
+    from sim.fluid.emitters import Outlet
+    from sim.fluid.flow import Flow
     from sim.fluid.part import FluidPart, FluidState
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
@@ -30,6 +34,12 @@ class Counts:
     particles_started: int = 0
     particles_without_room: int = 0
     particles_removed_by_events: int = 0
+    particles_emitted: int = 0
+    particles_drained: int = 0
+    particles_blocked: int = 0
+    """Particles that emitters would have sent into what was in the way."""
+    particles_over_limit: int = 0
+    """Particles that emitters would have sent while there were as many as fluid.max_particles allows."""
     retries: int = 0
     steps_repeated: int = 0
     steps_capped: int = 0
@@ -49,14 +59,20 @@ class World:
         self.gravity = np.array(spec.gravity)
         self.obstacles = find_obstacles(spec, folder)
         self.sources = self._find_sources()
-        self.bounds = action_bounds(self.sources, self.obstacles)
+        self.outlets = self._find_outlets()
+        self.sinks = self._find_sinks()
+        self.bounds = action_bounds([*self.sources, *self.outlets], self.obstacles)
         self._refuse_remote()
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
         self.fluid: FluidPart | None = None
+        self.flow: Flow | None = None
+        self.emission: dict[str, Any] = {}
+        """What emitters had sent when this world was built."""
+        self.time = 0.0
+        """Of the present state [s]; told by who steps."""
 
-    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts) -> FluidState:
-        """`state` with the particles of the fluid `bodies`; `names` numbers all bodies of the scene."""
-        from sim.coupling.fluid_rigid import allowed
+    def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
+        """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
         from sim.fluid.part import pour
 
         for source in self.sources:
@@ -65,33 +81,64 @@ class World:
                     state,
                     source,
                     names.index(source.name),
+                    counts.particles_started + counts.particles_emitted,
                     self.spec.fluid,
                     self.origin,
-                    lambda points, clearance: allowed(self.obstacles, points, clearance),
+                    lambda points, clearance: self._room(points, clearance, time),
                 )
                 counts.particles_without_room += homeless
                 counts.particles_started += len(source.points) - homeless
         return state
 
-    def build(self, state: FluidState | None, *, going_on: bool) -> None:
-        """Build what steps; `going_on` takes accelerations as they are in `state`."""
+    def _room(self, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
+        """Whether fluid can start at points [m], shape [n, 3], at `time` [s], `clearance` [m] off solids; shape [n]."""
+        from sim.coupling.fluid_rigid import allowed, off_samples
+        from sim.fluid.calibration import sample_depth
+
+        spacing = self.spec.fluid.spacing
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        free = allowed(self.obstacles, points, clearance, time)
+        free[free] = off_samples(self.obstacles, points[free], clearance, spacing, depth, time)
+        return free
+
+    def build(
+        self,
+        state: FluidState | None,
+        emission: dict[str, Any],
+        counts: Counts,
+        warn: Callable[[str], None],
+        time: float,
+        *,
+        going_on: bool,
+    ) -> None:
+        """Build what steps from `time` [s] on; `going_on` takes accelerations as they are in `state`.
+
+        `emission` is what emitters remember; they count in `counts`.
+        """
+        self.emission = emission
+        self.time = time
         if state is None:
             return
-        from sim.coupling.fluid_rigid import boundary_samples
-        from sim.fluid.calibration import SAMPLE_DEPTH
+        from sim.coupling.fluid_rigid import boundary_samples, pivots
+        from sim.fluid.calibration import sample_depth
         from sim.fluid.part import FluidPart, Surroundings
 
         spacing = self.spec.fluid.spacing
-        samples, owner = boundary_samples(self.obstacles, spacing, SAMPLE_DEPTH * spacing)
+        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        samples, owner = boundary_samples(self.obstacles, spacing, depth)
         self.fluid = FluidPart(
             self.spec.fluid,
             self.gravity,
             self.origin,
             state,
-            Surroundings(self.obstacles.planes(), samples, owner),
-            drop=max((self._extent_up(source.bounds)[1] for source in self.sources), default=0.0) - self.floor,
-            fastest=max((float(np.linalg.norm(source.velocity)) for source in self.sources), default=0.0),
+            Surroundings(self.obstacles.planes(), samples, owner, pivots(self.obstacles)),
+            drop=self._top - self.floor,
+            fastest=self._fastest,
         )
+        self._aim(time)
+        self.fluid.system.boundary.move()
+        if self.outlets or self.sinks:
+            self.flow = self.fluid.system.flow = self._build_flow(counts, warn)
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
 
     def step_limit(self, measure: Measure | None) -> float:
@@ -105,14 +152,23 @@ class World:
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "viscosity":
-                remedy = "use a lower fluid.viscosity, or larger particles"
+                remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
                 return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy
+            case "surface tension":
+                tension = max(self.spec.fluid.surface_tension, self.spec.fluid.adhesion)
+                return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
         speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
+        if self.flow and self.flow.fastest(self.time):
+            speeds += f", emitters {self.flow.fastest(self.time):.3g} m/s"
+        if self.fluid.system.boundary.moves:
+            speeds += f", bodies {self.fluid.system.boundary.speed:.3g} m/s"
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
     def _step_limits(self, measure: Measure | None) -> dict[str, float]:
-        if measure is None or not self.fluid.count:
+        emitted = self.flow.fastest(self.time) if self.flow else 0.0
+        if measure is None or not (self.fluid.count or emitted):
             return {}
+        measure = replace(measure, v_max=max(measure.v_max, emitted))
         return self.fluid.solver.step_limits(measure, self.spec.step.cfl)
 
     def begin_frame(self) -> None:
@@ -120,15 +176,40 @@ class World:
         if self.fluid:
             self.fluid.system.begin_frame()
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step all materials by dt [s]; returns what the solvers tell of the step."""
-        if self.fluid and self.fluid.count:
+    def advance(self, dt: float, until: float) -> dict[str, float]:
+        """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
+        told = self._advance_fluid(dt, until) if self.fluid else {}
+        self.time = until
+        return told
+
+    def _advance_fluid(self, dt: float, until: float) -> dict[str, float]:
+        self._aim(until)
+        if self.flow:
+            self.flow.time = self.time
+        if self.fluid.count:
             return self.fluid.solver.advance(dt)
+        self.fluid.system.boundary.move()
+        if self.flow and self.flow.exchange(dt):
+            self.fluid.solver.start()
         return {}
+
+    def _aim(self, time: float) -> None:
+        """Say where the bodies that move are at `time` [s], which alone decides it."""
+        boundary = self.fluid.system.boundary
+        if boundary.moves:
+            from sim.coupling.fluid_rigid import motions
+
+            boundary.aim(motions(self.obstacles, self.origin, time))
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
         return self.fluid.measure(self.floor) if self.fluid else None
+
+    def choices(self) -> dict[str, str]:
+        """What settings of `auto` came to."""
+        if not self.fluid or not self.spec.fluid.viscosity:
+            return {}
+        return {"fluid.viscosity_solver": "implicit" if self.fluid.system.implicit_viscosity else "explicit"}
 
     def bytes_by_module(self) -> dict[str, int]:
         return {"fluid": self.fluid.system.bytes} if self.fluid else {}
@@ -137,9 +218,27 @@ class World:
     def floor(self) -> float:
         """Height of the lowest solid or fluid [m], along the direction against gravity."""
         heights = [self._extent_up(np.asarray(bounds))[0] for bounds in self.obstacles.bounds()]
-        heights += [self._extent_up(source.bounds)[0] for source in self.sources]
+        heights += [self._extent_up(inflow.bounds)[0] for inflow in self._inflows]
         heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
         return min(heights, default=0.0)
+
+    @property
+    def _inflows(self) -> list[Source | Outlet]:
+        """Where fluid comes from."""
+        return [*self.sources, *self.outlets]
+
+    @property
+    def _top(self) -> float:
+        """Height [m] that fluid comes in at, or that a body which moves may lift it to."""
+        boxes = [inflow.bounds for inflow in self._inflows]
+        boxes += [item.bounds for item in self.obstacles.placed if item.motion]
+        return max((self._extent_up(box)[1] for box in boxes), default=0.0)
+
+    @property
+    def _fastest(self) -> float:
+        """The greatest speed [m/s] of fluid that comes in, or of a body at any time."""
+        speeds = [float(np.linalg.norm(inflow.velocity)) for inflow in self._inflows]
+        return max(speeds + [item.fastest for item in self.obstacles.placed], default=0.0)
 
     @property
     def _up(self) -> np.ndarray:
@@ -174,12 +273,54 @@ class World:
             for name, body in bodies.items()
         ]
 
+    def _find_outlets(self) -> list[Outlet]:
+        if self.spec.fluid is None or not self.spec.fluid.emitters:
+            return []
+        from sim.coupling.outlets import refuse_obstructed
+        from sim.fluid.emitters import find_outlet
 
-def action_bounds(sources: list[Source], obstacles: Obstacles) -> np.ndarray:
+        emitters = self.spec.fluid.emitters
+        outlets = [
+            find_outlet(name, emitter, self.spec.fluid, self.folder, ("fluid", "emitters", name))
+            for name, emitter in emitters.items()
+        ]
+        for outlet in outlets:
+            refuse_obstructed(outlet, self.obstacles)
+        return outlets
+
+    def _find_sinks(self) -> list[Sink]:
+        if self.spec.fluid is None or not self.spec.fluid.drains:
+            return []
+        from sim.fluid.drains import find_sink
+
+        drains = self.spec.fluid.drains
+        return [
+            find_sink(drain, self.spec.fluid, self.folder, ("fluid", "drains", name)) for name, drain in drains.items()
+        ]
+
+    def _build_flow(self, counts: Counts, warn: Callable[[str], None]) -> Flow:
+        from sim.coupling.fluid_rigid import allowed
+        from sim.fluid.flow import Flow, Ledger
+        from sim.fluid.part import START_CLEARANCE
+
+        moving = replace(self.obstacles, walls=[], placed=[item for item in self.obstacles.placed if item.motion])
+        return Flow(
+            self.fluid.system,
+            self.origin,
+            self.outlets,
+            self.sinks,
+            Ledger(self.emission),
+            counts,
+            lambda points, time: allowed(moving, points, START_CLEARANCE * self.spec.fluid.spacing, time),
+            warn,
+        )
+
+
+def action_bounds(sources: Sequence[Source | Outlet], obstacles: Obstacles) -> np.ndarray:
     """Box around all that happens [m], shape [2, 3]: fluid, bodies, and containers as high as those."""
     boxes = [np.array(box) for box in obstacles.box_bounds()]
     inner = [np.asarray(source.bounds) for source in sources]
-    inner += [np.asarray(item.solid.bounds) for item in obstacles.placed]
+    inner += [item.bounds for item in obstacles.placed]
     inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
     top = max(box[1][1] for box in inner)
     for box in boxes:

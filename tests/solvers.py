@@ -1,7 +1,8 @@
-"""What tests that hold for every pressure solver share: the solvers' names and a run in a process of its own kind."""
+"""What tests that hold for every pressure solver share: names, runs on one thread, and tables."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -36,3 +37,25 @@ def probe(out: Path, name: str, quantity: str | None = None) -> tuple[np.ndarray
     if quantity is not None:
         chosen &= table["quantity"] == quantity
     return table["time"][chosen], table["value"][chosen]
+
+
+def run_changed(data: dict[str, Any], out: Path, last: int, change: Callable[..., np.ndarray], after: int = 0) -> Path:
+    """`run` with velocities [m/s] that no scene can give, set after frame `after`: positions [m] and velocities in,
+    shape [n, 3] each, velocities out.
+
+    They are written into the state between two runs; tables begin anew there.
+    """
+    from sim.segment import simulate
+    from sim.spec import SimulationSpec
+
+    run(data, out, after)
+    kept = out / f"state_{after:05d}.npz"
+    with np.load(kept) as stored:
+        state = {name: stored[name] for name in stored.files}
+    place, speed = state["fluid.position"], state["fluid.velocity"]
+    speed[:, :3] = change(place[:, :3].astype(float) + state["origin"], speed[:, :3].astype(float))
+    np.savez(kept, **state)
+    spec = SimulationSpec.model_validate(data)
+    options = {"first": after + 1, "last": last, "state": kept, "arch": "cpu", "threads": 1, "quiet": True}
+    assert simulate(spec, out, out, **options) == 0
+    return out

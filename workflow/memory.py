@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from sim.fluid.spec import Emitter
 from workflow.scene import Scene
 
 PROCESS = 1500
@@ -34,7 +35,25 @@ def particles(scene: Scene) -> int:
     for event in scene.simulation.events:
         bodies += event.add.fluid.values()
     volume = sum(_volume(body.shape) * body.scale**3 for body in bodies)
+    emitters = [*fluid.emitters.values()]
+    for event in scene.simulation.events:
+        emitters += event.add.emitters.values()
+    volume += sum(_rate(emitter) * scene.duration for emitter in emitters)
     return min(fluid.max_particles, math.ceil(volume / fluid.spacing**3))
+
+
+def _rate(emitter: Emitter) -> float:
+    """[m^3/s]"""
+    if emitter.rate is not None:
+        return emitter.rate
+    match emitter.shape.type:
+        case "disc":
+            area = math.pi * emitter.shape.radius**2
+        case "rectangle":
+            area = math.prod(emitter.shape.size)
+        case _:
+            area = (emitter.shape.size or UNKNOWN_SIZE) ** 2
+    return area * emitter.scale**2 * emitter.speed
 
 
 def _volume(shape: Any) -> float:

@@ -12,35 +12,87 @@ from sim.neighbors import NeighborList, StaticGrid
 
 
 class Boundary:
-    """Samples of surfaces that do not move.
+    """Samples of surfaces: those that stand, in the order of their cells, then those that move.
 
     points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n]; spacing [m] of the fluid;
-    search_radius [m], at least the support radius, within which they are listed.
-    `samples` holds position and weighted volume of each sample [m^3], in the order of the cells.
+    search_radius [m], at least the support radius, within which they are listed; pivots: own origin [m], shape [3], of
+    the bodies that move, by index. Points and pivots are where the bodies are placed.
+    `samples` holds position and weighted volume of each sample [m^3]; `velocity` is given where some move [m/s].
     """
 
     def __init__(
-        self, points: np.ndarray, owner: np.ndarray, spacing: float, support_radius: float, search_radius: float
+        self,
+        points: np.ndarray,
+        owner: np.ndarray,
+        spacing: float,
+        support_radius: float,
+        search_radius: float,
+        pivots: dict[int, np.ndarray],
     ):
         self.count = len(points)
-        self.grid = StaticGrid(points, search_radius)
-        order = self.grid.order
-        self.points = points[order]
-        self.owner = owner[order]
-        self.volumes = sample_weight(spacing, support_radius) * sample_volumes(points, support_radius)[order]
+        moving = np.isin(owner, list(pivots))
+        self.grid = StaticGrid(points[~moving], search_radius)
+        # Volumes of bodies that move are their own: they can not depend on where a run goes on.
+        groups = [np.flatnonzero(~moving), *(np.flatnonzero(owner == index) for index in pivots)]
+        weight = sample_weight(spacing, support_radius)
+        volumes = np.concatenate([weight * sample_volumes(points[group], support_radius) for group in groups])
+        self.standing = len(groups[0])
+        in_cells = np.concatenate((self.grid.order, np.arange(self.standing, self.count)))
+        order = np.concatenate(groups)[in_cells]
+        self.points, self.owner, self.volumes = points[order], owner[order], volumes[in_cells]
+        self.moves = self.count > self.standing
+        self.speed = 0.0
+        """Of the fastest sample [m/s]."""
         self.samples = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
             self.samples.from_numpy(np.column_stack((self.points, self.volumes)).astype(numpy_real))
+        self.velocity = ti.ndarray(vec4, self.count if self.moves else 1)
+        self.velocity.fill(0)
         self.neighbors = NeighborList(48)
+        if self.moves:
+            from sim.fluid.moving import MovingSamples
+
+            arms = [points[group] - pivots[index] for index, group in zip(pivots, groups[1:], strict=True)]
+            body = np.repeat(np.arange(len(pivots)), [len(group) for group in groups[1:]])
+            self._moving = MovingSamples(
+                self.standing, np.concatenate(arms), body, self.volumes[self.standing :], search_radius
+            )
+
+    def aim(self, motions: np.ndarray) -> None:
+        """Say how bodies will have moved after the next `move`: a row of MOTION numbers for each, in the order of the
+        pivots, relative to the world's origin."""
+        self._motions = motions
+
+    def move(self) -> None:
+        """Bring the samples that move to where they were aimed at; neighbours are to be listed anew."""
+        if self.moves:
+            self._moving.move(self._motions, self.samples, self.velocity)
+            self.speed = self._moving.fastest(self._motions)
 
     def find_neighbors(self, position: ti.Ndarray, count: int) -> None:
         """List the samples near each of `count` particles."""
-        if self.count:
+        if self.standing:
             self.neighbors.build(position, count, self.grid, self.samples, same=False)
+        if self.moves and count:
+            self._moving.find(position, count)
+            self.neighbors.reserve(count)
+            longest = self._moving.append(count, self.neighbors, fresh=not self.standing)
+            if longest > self.neighbors.capacity:
+                self.neighbors.grow(longest)
+                self.find_neighbors(position, count)
+
+    def of_body(self, owner: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The samples of one body: positions [m] and velocities [m/s], shape [n, 3], and weighted volumes [m^3]."""
+        which = self.owner == owner
+        if not (self.moves and which[self.standing :].any()):
+            return self.points[which], np.zeros((np.count_nonzero(which), 3)), self.volumes[which]
+        position, velocity = (array.to_numpy()[which, :3].astype(np.float64) for array in (self.samples, self.velocity))
+        return position, velocity, self.volumes[which]
 
     @property
     def bytes(self) -> int:
-        return 16 * self.count + self.grid.bytes + self.neighbors.bytes
+        own = 16 * self.count + self.grid.bytes + self.neighbors.bytes
+        return own + (16 * self.count + self._moving.bytes if self.moves else 0)
 
 
 def sample_volumes(points: np.ndarray, support_radius: float) -> np.ndarray:

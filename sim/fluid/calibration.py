@@ -23,15 +23,20 @@ from sim.fluid.kernel import (
 )
 
 SAMPLE_DEPTH = 0.8
-"""Samples lie this many spacings below the surface that the fluid is to meet."""
+"""Samples lie this many spacings below the surface that the fluid is to meet, up to a support of two spacings."""
+DEEPER = 0.7
+"""By this share of a longer support they lie deeper: at one depth for all, they would weigh so little there that a
+particle without neighbours passes through."""
 
 
 @dataclass(frozen=True)
 class Lack:
-    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]."""
+    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]; and the share of the
+    density that is beyond both walls for the layer along an edge."""
 
     density: float
     force: float
+    edge: float
 
 
 def lack(spacing: float, h: float) -> Lack:
@@ -41,34 +46,59 @@ def lack(spacing: float, h: float) -> Lack:
     total = cubic_host(r, h).sum()
     beyond = points[:, 1] < -spacing / 2
     slope = cubic_slope_host(r[beyond], h) * points[beyond, 1]
-    return Lack(float(cubic_host(r[beyond], h).sum() / total), float(slope.sum() / total))
+    beyond_both = beyond & (points[:, 0] < -spacing / 2)
+    return Lack(
+        float(cubic_host(r[beyond], h).sum() / total),
+        float(slope.sum() / total),
+        float(cubic_host(r[beyond_both], h).sum() / total),
+    )
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume."""
+    """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume.
+
+    Two that add the shares u1 and u2 to a density have in common u1 u2 / ((overlap + u1) (overlap + u2)).
+    """
 
     distance: float
     weight: float
+    overlap: float
 
 
 def calibrate_wall(spacing: float, h: float) -> Wall:
-    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force."""
+    """Distance and weight with weight V(s) = lack of density, weight |V'(s)| = twice the lack of force; the overlap
+    makes the density along an edge right."""
     missing = lack(spacing, h)
     ratio = missing.density / (2 * missing.force * h)
     low, high = 0.0, 0.999
     for _ in range(60):
         q = (low + high) / 2
         low, high = (q, high) if halfspace_volume_host(q) / halfspace_area_host(q) > ratio else (low, q)
-    return Wall(low * h, missing.density / halfspace_volume_host(low))
+    overlap = missing.density * (missing.edge**-0.5 - 1.0)
+    return Wall(low * h, missing.density / halfspace_volume_host(low), overlap)
+
+
+def sample_depth(spacing: float, h: float) -> float:
+    """How far samples lie below the surface that the fluid is to meet [m]."""
+    return SAMPLE_DEPTH * spacing + DEEPER * max(0.0, h - 2.0 * spacing)
 
 
 def sample_weight(spacing: float, h: float) -> float:
-    """Factor on the volume of boundary samples, `SAMPLE_DEPTH` below the surface, that makes the density right."""
+    """Factor on the volume of boundary samples, `sample_depth` below the surface, that makes the density right."""
+    distance = sample_depth(spacing, h) + 0.5 * spacing
+    near = cubic_host(np.hypot(_across(spacing, h), distance), h).sum()
+    return lack(spacing, h).density / (sample_volume(spacing, h) * float(near))
+
+
+def sample_volume(spacing: float, h: float) -> float:
+    """Volume [m^3] of a boundary sample in a square lattice, without weight (Akinci et al. 2012, eq. 4)."""
+    return 1.0 / float(cubic_host(_across(spacing, h), h).sum())
+
+
+def _across(spacing: float, h: float) -> np.ndarray:
+    """Distances [m] of the points of a square lattice from one of them, shape [n]."""
     reach = int(np.ceil(h / spacing))
     axis = np.arange(-reach, reach + 1) * spacing
     x, z = np.meshgrid(axis, axis)
-    across = np.hypot(x, z).ravel()
-    volume = 1.0 / cubic_host(across, h).sum()
-    distance = (SAMPLE_DEPTH + 0.5) * spacing
-    return lack(spacing, h).density / float(volume * cubic_host(np.hypot(across, distance), h).sum())
+    return np.hypot(x, z).ravel()

@@ -2,10 +2,13 @@
 
 Every trial is projected to q >= 0, evaluated, and taken by the share of it that minimises the energy, so that the
 energy falls in each iteration: too large a pressure left over from an impact is scaled down at once, where Jacobi
-iterations would let it blow the fluid apart. The preconditioner is D. The first trial is made of the pressures of the
-step before and of what a Jacobi step adds to none.
+iterations would let it blow the fluid apart. The preconditioner is D.
 
-Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm start with half the pressures).
+The first trial takes the share of the last pressures that minimises the energy, and one Jacobi step from there. What
+they do is known from the step before, L q, which is kept in acceleration.w: water at rest so needs no more iterations
+than the change of its pressures.
+
+Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm start, there with half the pressures).
 """
 
 from dataclasses import dataclass
@@ -18,12 +21,10 @@ from sim.fluid.kernel import cubic_slope
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
-WARM = 0.6
-"""Share of the last step's pressures to begin with: all of them would keep the noise of the last step, too."""
 FIRST = 0.8
-"""What is added to them, over the pressures of a Jacobi step without any."""
+"""Length of the Jacobi step in the first trial."""
 TRIAL = 1.2
-"""Length of a trial step over a Jacobi step: the line search shortens what is too long."""
+"""Length of further trial steps over a Jacobi step: the line search shortens what is too long."""
 ROW = 16
 """Sums are taken over so many particles, then over GROUPS ranges of those, so that they do not depend on threads."""
 GROUPS = 256
@@ -46,19 +47,30 @@ class ConjugateGradients:
         self.worst = WORST * system.spec.rest_density
         self._sums = ti.ndarray(ti.f64, (GROUPS + 1, 4))
 
-    def solve(self, dt: float, tolerance: float, fewest: int, most: int) -> Solution:
-        """Pressures in position.w, from those that are there, and their accelerations in kept.
+    def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool) -> Solution:
+        """Find pressures whose accelerations, in kept, leave no more than `tolerance` [kg/m^3] of mean compression.
 
-        tolerance: mean compression [kg/m^3] that may be left. fewest: iterations; with 0 none are made, and pressures
-        are zero, where without pressure no more is left. The accelerations are those of the pressures whose error is
-        returned.
+        fewest, most: iterations; with fewest = 0 none are made, and kept is not written, where nothing need be done.
+        warm: begin with the pressures in position.w and leave the new ones there; else position.w stays as it is.
         """
         system, particles = self.system, self.system.particles
         if fewest == 0:
             mean, worst = _compression(system.count, self._rows, particles.source, self._sums)
             if mean <= tolerance and worst <= self.worst:
-                _release(system.count, particles.position)
                 return Solution(0, mean, False)
+        _begin(
+            system.count,
+            self._rows,
+            dt,
+            warm,
+            particles.position,
+            particles.kept,
+            particles.search,
+            particles.diagonal,
+            particles.source,
+            particles.acceleration,
+            self._sums,
+        )
         for iteration in range(1, most + 1):
             mean, worst = _iterate(
                 system.count,
@@ -80,7 +92,16 @@ class ConjugateGradients:
             )
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
-        _finish(system.count, particles.position, particles.search)
+        _finish(
+            system.count,
+            dt,
+            warm,
+            particles.position,
+            particles.kept,
+            particles.search,
+            particles.source,
+            particles.acceleration,
+        )
         return Solution(iteration, mean, mean > tolerance or worst > self.worst)
 
     @property
@@ -99,6 +120,17 @@ def _range(part: ti.i32, parts: ti.i32, count: ti.i32) -> ti.types.vector(2, ti.
     return ti.Vector([ti.min(part * size, count), ti.min((part + 1) * size, count)])
 
 
+@ti.func
+def _add(sums: DoubleTable, columns: ti.template(), group: ti.i32, rows: ti.i32):
+    """Sum the first columns of one of GROUPS ranges of rows, into a row behind those."""
+    span = _range(group, GROUPS, rows)
+    for column in ti.static(range(columns)):
+        total = ti.cast(0.0, ti.f64)
+        for row in range(span[0], span[1]):
+            total += sums[row, column]
+        sums[rows + group, column] = total
+
+
 @ti.kernel
 def _compression(count: ti.i32, rows: ti.i32, source: RealArray, sums: DoubleTable) -> ti.types.vector(2, ti.f64):
     for row in range(rows):
@@ -115,6 +147,50 @@ def _compression(count: ti.i32, rows: ti.i32, source: RealArray, sums: DoubleTab
         total += sums[row, 0]
         peak = ti.max(peak, sums[row, 1])
     return ti.Vector([total / count, peak])
+
+
+@ti.kernel
+def _begin(
+    count: ti.i32,
+    rows: ti.i32,
+    dt: real,
+    warm: ti.i32,
+    position: Vec4Array,
+    kept: Vec4Array,
+    search: Vec4Array,
+    diagonal: RealArray,
+    source: RealArray,
+    acceleration: Vec4Array,
+    sums: DoubleTable,
+):
+    """The first trial, from the share of the last pressures that minimises the energy, as far as is known yet."""
+    dt2 = dt * dt
+    last = sums.shape[0] - 1
+    for row in range(rows):
+        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+        span = _range(row, rows, count)
+        for i in range(span[0], span[1]):
+            q, s = position[i].w, source[i]
+            if warm != 0 and q + s * diagonal[i] / dt2 > 0.0:
+                gain += s * q
+                bend -= q * dt2 * acceleration[i].w
+        sums[row, 0] = gain
+        sums[row, 1] = bend
+    for group in range(GROUPS):
+        _add(sums, 2, group, rows)
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+        for group in range(GROUPS):
+            gain += sums[rows + group, 0]
+            bend += sums[rows + group, 1]
+        sums[last, 0] = ti.select(bend > 0.0, ti.math.clamp(gain / bend, 0.0, 1.0), 0.0)
+    for i in range(count):
+        share, s = ti.cast(sums[last, 0], real), source[i]
+        kept[i] = vec4(0.0, 0.0, 0.0, s)
+        search[i] = vec4(0.0, 0.0, position[i].w, 0.0)
+        left = s + share * dt2 * acceleration[i].w
+        position[i].w = ti.max(share * position[i].w + FIRST * left * diagonal[i] / dt2, 0.0)
 
 
 @ti.kernel
@@ -143,11 +219,7 @@ def _iterate(
     # The last row has the conjugacy of directions and the share of the trial step.
     last = sums.shape[0] - 1
     for i in range(count):
-        if first != 0:
-            kept[i] = vec4(0.0, 0.0, 0.0, source[i])
-            search[i] = vec4(0.0)
-            position[i].w = ti.max(WARM * position[i].w + FIRST * source[i] * diagonal[i] / dt2, 0.0)
-        else:
+        if first == 0:
             q, left = search[i].x, kept[i].w
             downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
             position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
@@ -177,13 +249,7 @@ def _iterate(
         sums[row, 0] = gain
         sums[row, 1] = bend
     for group in range(GROUPS):
-        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        span = _range(group, GROUPS, rows)
-        for row in range(span[0], span[1]):
-            gain += sums[row, 0]
-            bend += sums[row, 1]
-        sums[rows + group, 0] = gain
-        sums[rows + group, 1] = bend
+        _add(sums, 2, group, rows)
     ti.loop_config(serialize=True)
     for _ in range(1):
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
@@ -215,17 +281,11 @@ def _iterate(
         sums[row, 2] = error
         sums[row, 3] = worst
     for group in range(GROUPS):
-        error, across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+        _add(sums, 3, group, rows)
         worst = ti.cast(0.0, ti.f64)
         span = _range(group, GROUPS, rows)
         for row in range(span[0], span[1]):
-            across += sums[row, 0]
-            along += sums[row, 1]
-            error += sums[row, 2]
             worst = ti.max(worst, sums[row, 3])
-        sums[rows + group, 0] = across
-        sums[rows + group, 1] = along
-        sums[rows + group, 2] = error
         sums[rows + group, 3] = worst
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
     ti.loop_config(serialize=True)
@@ -241,12 +301,19 @@ def _iterate(
 
 
 @ti.kernel
-def _finish(count: ti.i32, position: Vec4Array, search: Vec4Array):
+def _finish(
+    count: ti.i32,
+    dt: real,
+    warm: ti.i32,
+    position: Vec4Array,
+    kept: Vec4Array,
+    search: Vec4Array,
+    source: RealArray,
+    acceleration: Vec4Array,
+):
     for i in range(count):
-        position[i].w = search[i].x
-
-
-@ti.kernel
-def _release(count: ti.i32, position: Vec4Array):
-    for i in range(count):
-        position[i].w = 0.0
+        if warm != 0:
+            position[i].w = search[i].x
+            acceleration[i].w = (kept[i].w - source[i]) / (dt * dt)
+        else:
+            position[i].w = search[i].z

@@ -1,8 +1,7 @@
 """Divergence-free SPH (Bender & Koschier 2015, 2017).
 
 One system of equations keeps densities at rest density after the step, as in IISPH; a second one takes from the
-velocities at the new positions what would compress the fluid further, where that is more than is asked for. Both start
-from their own last pressures.
+velocities at the new positions what would compress the fluid further, where that is more than is asked for.
 """
 
 from typing import ClassVar
@@ -20,24 +19,24 @@ class Dfsph(Iisph):
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations", "divergence_iterations")
 
     def advance(self, dt: float) -> dict[str, float]:
-        """The step of IISPH, and the divergence solve after it; acceleration.w keeps the pressures of the latter."""
+        """The step of IISPH, and the divergence solve after it."""
         told = super().advance(dt)
-        count, particles, settings = self.system.count, self.system.particles, self.settings
+        if not self.system.count:
+            return told
+        particles, settings = self.system.particles, self.settings
         tolerance = settings.divergence_error * self.system.spec.rest_density
-        _swap(count, particles.position, particles.acceleration)
-        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations)
+        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
         if solution.iterations:
-            kick(count, dt, particles.velocity, particles.kept)
-        _swap(count, particles.position, particles.acceleration)
+            kick(self.system.count, dt, particles.velocity, particles.kept)
+            self.system.lead()
+            if self.system.boundary.count:
+                _remember(self.system.count, particles.search, particles.pressed)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped
         return told
 
 
 @ti.kernel
-def _swap(count: ti.i32, position: Vec4Array, acceleration: Vec4Array):
-    """Exchange the pressures of the two systems of equations."""
+def _remember(count: ti.i32, search: Vec4Array, pressed: Vec4Array):
     for i in range(count):
-        q = position[i].w
-        position[i].w = acceleration[i].w
-        acceleration[i].w = q
+        pressed[i].w = search[i].x

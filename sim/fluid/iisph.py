@@ -2,7 +2,9 @@
 
 from typing import ClassVar
 
-from sim.arrays import Declared
+import taichi as ti
+
+from sim.arrays import Declared, Vec4Array, real, vec4
 from sim.fluid import projection
 from sim.fluid.conjugate_gradients import ConjugateGradients
 from sim.fluid.incompressible import Incompressible, kick
@@ -13,7 +15,10 @@ from sim.fluid.system import FluidSystem
 class Iisph(Incompressible):
     """Advances a FluidSystem."""
 
-    ARRAYS: ClassVar[tuple[Declared, ...]] = projection.ARRAYS
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        *projection.ARRAYS,
+        Declared("pressed", "vec4", "way by pressure in the last step [m]; w: q that acted after it", saved=False),
+    )
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
         super().__init__(system, fastest_signal)
@@ -27,6 +32,14 @@ class Iisph(Incompressible):
         system, settings = self.system, self.settings
         self.projection.predict(dt)
         tolerance = settings.density_error * system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations)
+        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
         kick(system.count, dt, system.particles.velocity, system.particles.kept)
+        if system.boundary.count:
+            _remember(system.count, dt, system.particles.kept, system.particles.pressed)
         return {"pressure_iterations": solution.iterations, "capped": solution.capped}
+
+
+@ti.kernel
+def _remember(count: ti.i32, dt: real, kept: Vec4Array, pressed: Vec4Array):
+    for i in range(count):
+        pressed[i] = vec4(dt * dt * kept[i].xyz, 0.0)

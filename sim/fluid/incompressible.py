@@ -6,7 +6,8 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real
-from sim.fluid.limits import force_limit, viscosity_limit, way_limit
+from sim.fluid.limits import fall_limit, way_limit
+from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
@@ -28,6 +29,7 @@ class Incompressible:
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
         self.momentum = Momentum(system, pressure=False)
+        self.mixing = Mixing(system)
 
     @property
     def settings(self) -> Settings:
@@ -35,18 +37,18 @@ class Incompressible:
         return getattr(self.system.spec, self.system.spec.solver)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
-        """Largest stable time steps [s]: the way of particles, gravity, and explicit viscosity."""
+        """Largest stable time steps [s]: the way of particles, gravity, and the other forces."""
         half = 0.5 * self.system.h
         return {
-            "signal": way_limit(half, cfl, measure.v_max, measure.a_max),
-            "force": force_limit(half, float(np.linalg.norm(self.system.gravity))),
-            "viscosity": viscosity_limit(half, self.system.spec.viscosity),
-        }
+            "signal": way_limit(half, cfl, measure.v_max + self.system.boundary.speed, measure.a_max),
+            "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
+        } | self.momentum.step_limits()
 
     def start(self) -> None:
         """Find densities and forces of the initial state, or of one that an event has changed."""
         self.restore()
         self.momentum.accelerate()
+        self.system.lead()
 
     def restore(self) -> None:
         """Go on from a checkpoint."""
@@ -54,12 +56,23 @@ class Incompressible:
         self.examine(0.0)
 
     def advance(self, dt: float) -> dict[str, float]:
-        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it."""
+        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it.
+
+        Solids are where they will be after the step when pressures are found, which keep the fluid out of there.
+        """
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
+        system.lead()
         kick(system.count, dt, particles.velocity, particles.acceleration)
-        told = self.press(dt)
+        system.boundary.move()
+        told = self.mixing.mix(dt)
+        system.lead()
+        mixing_capped = told["capped"]
+        told |= self.press(dt)
+        told["capped"] += mixing_capped
+        system.lead()
         _move(system.count, dt, particles.position, particles.velocity)
+        system.exchange(dt)
         system.find_neighbors()
         self.examine(dt)
         return told

@@ -8,9 +8,26 @@ def force_limit(half: float, acceleration: float) -> float:
     return 0.25 * math.sqrt(half / acceleration) if acceleration > 0 else math.inf
 
 
-def viscosity_limit(half: float, viscosity: float) -> float:
-    """0.125 half^2 / nu [s], for explicit viscosity [m^2/s]."""
-    return 0.125 * half * half / viscosity if viscosity > 0 else math.inf
+def fall_limit(half: float, gravity: float) -> float:
+    """0.1 sqrt(half / g) [s]: who falls by more than a hundredth of `half` before pressures answer, heats the fluid."""
+    return 0.1 * math.sqrt(half / gravity) if gravity > 0 else math.inf
+
+
+def viscosity_limit(half: float, viscosity: float, strongest: float = 0.0) -> float:
+    """0.05 half^2 / nu [s], for explicit viscosity [m^2/s].
+
+    The friction of a particle between others at rest has the rate 10 nu / half^2, that of neighbours that move against
+    each other twice as much; up to 1 over this rate nothing overshoots. `strongest`: what solids add to that rate,
+    times the support radius squared [m^2/s].
+    """
+    rate = 20.0 * viscosity + 0.25 * strongest
+    return half * half / rate if rate > 0 else math.inf
+
+
+def capillary_limit(half: float, surface_tension: float, density: float) -> float:
+    """sqrt(rho half^3 / (4 pi sigma)) [s]: the shortest capillary wave goes its length (Brackbill et al. 1992);
+    surface_tension [N/m]."""
+    return math.sqrt(density * half**3 / (4.0 * math.pi * surface_tension)) if surface_tension > 0 else math.inf
 
 
 def way_limit(half: float, cfl: float, speed: float, acceleration: float) -> float:

@@ -3,14 +3,18 @@
 a_i = -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij                                  Monaghan 1992, eq. 3.3
     + 2 (dim + 2) nu sum_j m 2/(rho_i + rho_j) (v_ij.x_ij)/(x_ij^2 + 0.01 h^2) grad W_ij      Monaghan 2005, eq. 4.27
     - kappa sum_j x_ij W(max(x_ij, d)) + g                                     Becker & Teschner 2007, eq. 15
-Solids add the derivative of what they add to the density (Akinci et al. 2012, eq. 9), and friction.
+Solids add the derivative of what they add to the density (Akinci et al. 2012, eq. 9), and friction
+(`sim.fluid.friction`).
 """
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
-from sim.fluid.forces import artificial, cohesion_coefficient, viscous
+from sim.arrays import IntArray, IntTable, Vec4Array, real, vec2, vec3
+from sim.fluid.added import load_forces
+from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
+from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
 from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.limits import capillary_limit, viscosity_limit
 from sim.fluid.system import FluidSystem
 from sim.fluid.walls import wall_damping, wall_share
 from sim.neighbors import padded
@@ -29,9 +33,23 @@ class Momentum:
         self.pressure = pressure
         self.artificial = artificial
         self.damping = damping
-        self.cohesion = cohesion_coefficient(
-            spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
-        )
+        self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
+        solids = system.walls.count > 0 or system.boundary.count > 0
+        self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
+        self.cohesion, self._added = 0.0, load_forces(system)
+        if spec.surface_tension_model == "becker2007":
+            self.cohesion = cohesion_coefficient(
+                spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
+            )
+
+    def step_limits(self) -> dict[str, float]:
+        """Largest stable time steps [s] that do not depend on the particles' motion."""
+        explicit = self.viscosity + 0.1 * self.artificial
+        half, spec = 0.5 * self.system.h, self.system.spec
+        return {
+            "viscosity": viscosity_limit(half, explicit, self.grip.strongest),
+            "surface tension": capillary_limit(half, max(spec.surface_tension, spec.adhesion), spec.rest_density),
+        }
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
@@ -53,19 +71,27 @@ class Momentum:
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
+            boundary.moves,
+            boundary.velocity,
             walls.count,
-            walls.weight,
+            walls.fit,
+            walls.setback,
             walls.planes,
             self.pressure,
-            spec.viscosity > 0,
-            spec.viscosity,
+            self.viscosity > 0,
+            self.viscosity,
+            self.grip.walls > 0,
+            self.grip.samples,
+            self.grip.nearest,
             self.artificial > 0,
             self.artificial,
             self.damping > 0,
             self.damping,
-            spec.surface_tension > 0,
+            self.cohesion > 0,
             self.cohesion,
         )
+        for force in self._added:
+            force.accelerate()
 
 
 @ti.kernel
@@ -85,12 +111,18 @@ def _accelerate(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
+    has_motion: ti.template(),
+    sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
+    wall_setback: real,
     planes: Vec4Array,
     has_pressure: ti.template(),
     has_viscosity: ti.template(),
     viscosity: real,
+    has_grip: ti.template(),
+    sample_viscosity: real,
+    nearest_sample: real,
     has_artificial: ti.template(),
     artificial_strength: real,
     has_damping: ti.template(),
@@ -101,7 +133,7 @@ def _accelerate(
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
     slope_norm = norm * inverse_h * inverse_h
-    softening = 0.01 * h * h
+    softening = SOFTENING * h * h
     closest = spacing * inverse_h
     for i in range(count):
         x, v = position[i], velocity[i]
@@ -129,23 +161,30 @@ def _accelerate(
                 if ti.static(has_cohesion):
                     pull -= cubic(ti.max(q, closest)) * d
         a = mass * slope_norm * a + cohesion * norm * pull
-        if ti.static(has_boundary and (has_pressure or has_viscosity or has_damping)):
+        if ti.static(has_boundary and (has_pressure or has_grip or has_damping)):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x.xyz - b.xyz
                 r2 = d.dot(d)
-                friction = ti.cast(0.0, real)
-                if ti.static(has_viscosity):
-                    friction += viscous(v.xyz.dot(d), viscosity)
-                if ti.static(has_damping):
-                    friction += artificial(v.xyz.dot(d), damping_strength)
-                along = friction / (v.w * (r2 + softening))
+                relative = v.xyz
+                if ti.static(has_motion):
+                    relative -= sample_velocity[sample_index[i, k]].xyz
+                along = ti.cast(0.0, real)
                 if ti.static(has_pressure):
                     along -= x.w
-                a += rest_density * slope_norm * b.w * along * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+                if ti.static(has_damping):
+                    along += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening))
+                strength = rest_density * slope_norm * b.w
+                a += strength * along * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+                if ti.static(has_grip):
+                    friction = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
+                    a += strength / v.w * friction
         if ti.static(has_pressure):
-            a -= x.w * rest_density * wall_weight * wall_share(x.xyz, wall_count, planes, inverse_h).xyz
+            a -= x.w * rest_density * wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h).xyz
         if ti.static(has_damping):
-            strength = damping_strength * rest_density * wall_weight / v.w
+            strength = damping_strength * rest_density * wall_fit.x / v.w
             a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
+        if ti.static(has_grip):
+            friction = wall_friction(x.xyz, v.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
+            a += viscosity * rest_density / v.w * friction
         acceleration[i].xyz = a + gravity

@@ -10,7 +10,9 @@ import numpy as np
 
 from sim.arrays import numpy_real
 from sim.fluid import load_solver
+from sim.fluid.added import force_arrays
 from sim.fluid.boundary import Boundary
+from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
@@ -59,19 +61,22 @@ class FluidState:
 class Surroundings:
     """What the fluid meets: walls and boundary samples in world coordinates [m].
 
-    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample.
+    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample;
+    pivots: by index the own origins, shape [3], of bodies that move, whose samples are where the bodies are placed.
     """
 
     planes: np.ndarray
     samples: np.ndarray
     owner: np.ndarray
+    pivots: dict[int, np.ndarray]
 
 
 def pour(
-    state: FluidState, source: Source, body: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
+    state: FluidState, source: Source, body: int, first: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
 ) -> tuple[FluidState, int]:
     """`state` and the particles of one more body where nothing else is, and how many had no place.
 
+    `first` is the identity of the first of them, the others count on.
     Raises Refused where none has a place, or where there are more than the scene allows.
     """
     free = allowed(source.points, START_CLEARANCE * fluid.spacing)
@@ -95,7 +100,6 @@ def pour(
             location=("fluid", "max_particles"),
             remedy=f"use a particle_radius above {_radius_for(state.count + count, fluid):.3g} m, or raise the limit",
         )
-    first = int(state.tag[:, 0].max()) + 1 if state.count else 0
     fresh = FluidState(
         position=np.column_stack((points - origin, np.zeros(count))).astype(numpy_real),
         velocity=np.tile(np.array([*source.velocity, fluid.rest_density], numpy_real), (count, 1)),
@@ -113,7 +117,8 @@ def _radius_for(count: int, fluid: Fluid) -> float:
 class FluidPart:
     """Particles, surroundings and solver, built for one number of particles.
 
-    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest initial speed [m/s].
+    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest speed [m/s] at the
+    start, or of a body at any time.
     """
 
     def __init__(
@@ -132,13 +137,18 @@ class FluidPart:
         planes[:, 3] -= planes[:, :3] @ origin
         solver = load_solver(fluid.solver)
         reach = h * (1 + solver.SKIN)
-        boundary = Boundary(surroundings.samples - origin, surroundings.owner, fluid.spacing, h, reach)
+        pivots = {index: pivot - origin for index, pivot in surroundings.pivots.items()}
+        samples = surroundings.samples - origin
+        boundary = Boundary(samples, surroundings.owner, fluid.spacing, h, reach, pivots)
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
-        self.system = FluidSystem(fluid, gravity, walls, boundary, solver.ARRAYS, solver.SKIN)
-        self.system.load(vars(state))
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
+        signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
+        implicit = viscosity_is_implicit(fluid, gravity, signal)
+        arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
+        self.system = FluidSystem(fluid, gravity, walls, boundary, arrays, solver.SKIN, implicit)
+        self.system.load(vars(state))
         self.solver = solver(self.system, self.fastest_signal)
 
     @property
@@ -164,13 +174,14 @@ class FluidPart:
 def fastest_signal(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: float) -> float:
     """The numerical speed of sound [m/s] (Monaghan 1994, sec. 4), faster than which no particle can be.
 
-    `auto` follows from what the scene can reach.
+    `auto` follows from what the scene can reach: by falling, and by the surface tension of the smallest drops.
     """
     given = fluid.wcsph.speed_of_sound
     if fluid.solver == "wcsph" and given != "auto":
         return float(given)
     g = float(np.linalg.norm(gravity))
-    reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing))
+    pulled = 2 * max(fluid.surface_tension, fluid.adhesion) / (fluid.rest_density * fluid.spacing)
+    reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing) + pulled)
     return COMPRESSION_SPEED * max(reachable, SLOWEST * fluid.spacing)
 
 

@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.incompressible import BLOCKS, WORST, Incompressible, kick
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import solid_share
@@ -74,7 +74,7 @@ class Pcisph(Incompressible):
             boundary.neighbors.size,
             boundary.neighbors.index,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
             self._sums,
         )
@@ -101,7 +101,7 @@ class Pcisph(Incompressible):
             boundary.neighbors.size,
             boundary.neighbors.index,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
         )
 
@@ -140,7 +140,7 @@ def _compress(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
@@ -155,7 +155,7 @@ def _compress(
         if ti.static(has_boundary):
             near_solid = sample_size[i]
         share = solid_share(
-            x, i, near_solid, sample_index, samples, wall_count, wall_weight, planes, inverse_h, has_boundary
+            x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
         )
         push[i].w = rest_density * rest_density * share.xyz.dot(share.xyz)
         predicted[i].w = mass * norm * (near + 1 - (padded(size[i]) - size[i])) + rest_density * (share.w - 1.0)
@@ -192,7 +192,7 @@ def _raise(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -216,7 +216,7 @@ def _raise(
             sample_index,
             samples,
             wall_count,
-            wall_weight,
+            wall_fit,
             planes,
             inverse_h,
             has_boundary,

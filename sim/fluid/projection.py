@@ -16,16 +16,22 @@ Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.solids import solid_share
+from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
 ARRAYS = (
     Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: s + dt^2 L q [kg/m^3]", sorted=False, saved=False),
     Declared("kept", "vec4", "as push, of the best pressures found", sorted=False, saved=False),
-    Declared("search", "vec4", "the best pressures found as q, and the last change of them", sorted=False, saved=False),
+    Declared(
+        "search",
+        "vec4",
+        "the best pressures found as q, their last change, and position.w before",
+        sorted=False,
+        saved=False,
+    ),
     Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]; w: that density [kg/m^3]", False, False),
     Declared("diagonal", "real", "D [kg^2/m^8]", sorted=False, saved=False),
     Declared("source", "real", "predicted compression s [kg/m^3]", sorted=False, saved=False),
@@ -74,8 +80,10 @@ class Projection:
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
+            boundary.moves,
+            boundary.velocity,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
         )
 
@@ -103,7 +111,7 @@ class Projection:
             boundary.neighbors.size,
             boundary.neighbors.index,
             walls.count,
-            walls.weight,
+            walls.fit,
             walls.planes,
         )
 
@@ -128,8 +136,10 @@ def _prepare(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
+    has_motion: ti.template(),
+    sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -154,7 +164,7 @@ def _prepare(
         if ti.static(has_boundary):
             near_solid = sample_size[i]
         share = solid_share(
-            x, i, near_solid, sample_index, samples, wall_count, wall_weight, planes, inverse_h, has_boundary
+            x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
         )
         density += rest_density * share.w
         gradient = rest_density * share.xyz
@@ -164,6 +174,10 @@ def _prepare(
         d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
         compression = dt * (mass * slope_norm * rate + v.dot(gradient))
+        if ti.static(has_motion):
+            compression += (
+                dt * rest_density * approach(x, i, near_solid, sample_index, samples, sample_velocity, inverse_h)
+            )
         source[i] = ti.select(size[i] < fewest_neighbors, -rest_density, compression)
 
 
@@ -185,7 +199,7 @@ def _predict(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -206,7 +220,7 @@ def _predict(
             sample_index,
             samples,
             wall_count,
-            wall_weight,
+            wall_fit,
             planes,
             inverse_h,
             has_boundary,

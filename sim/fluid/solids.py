@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.arrays import IntTable, Vec4Array, real, vec3, vec4
+from sim.arrays import IntTable, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope
 from sim.fluid.walls import wall_share
 
@@ -15,7 +15,7 @@ def solid_share(
     sample_index: IntTable,
     samples: Vec4Array,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
     inverse_h: real,
     has_boundary: ti.template(),
@@ -31,4 +31,23 @@ def solid_share(
             q = d.norm() * inverse_h
             share += norm * b.w * cubic(q)
             gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
-    return vec4(gradient, share) + wall_weight * wall_share(x, wall_count, planes, inverse_h)
+    return vec4(gradient, share) + wall_share(x, wall_count, wall_fit, planes, inverse_h)
+
+
+@ti.func
+def approach(
+    x: vec3,
+    row: ti.i32,
+    samples_near: ti.i32,
+    sample_index: IntTable,
+    samples: Vec4Array,
+    sample_velocity: Vec4Array,
+    inverse_h: real,
+) -> real:
+    """Rate [1/s] at which the motion of the samples alone raises the share of the solids at x."""
+    rate = ti.cast(0.0, real)
+    for k in range(samples_near):
+        b = sample_index[row, k]
+        d = x - samples[b].xyz
+        rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
+    return 8.0 / ti.math.pi * inverse_h**5 * rate

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Gt, Le
+from pydantic import Field, model_validator
 
-from sim.geometry.spec import ClosedShape, Placement
+from sim.geometry.spec import ClosedShape, MeshFace, Placement
 from sim.settings import Name, Settings
 from sim.units import (
     Density,
     Dimensionless,
+    Duration,
     KinematicViscosity,
+    PositiveDuration,
     PositiveLength,
     PositiveSpeed,
     SurfaceTension,
     Velocity,
+    VolumeRate,
 )
 
 
@@ -25,6 +29,62 @@ class FluidBody(Placement):
     shape: ClosedShape
     velocity: Velocity = (0.0, 0.0, 0.0)
     """Initial velocity of every particle [m/s]."""
+
+
+class Disc(Settings):
+    """A round outlet around its centre, its direction along y."""
+
+    type: Literal["disc"]
+    radius: PositiveLength
+
+
+class Rectangle(Settings):
+    """A rectangular outlet around its centre, its direction along y."""
+
+    type: Literal["rectangle"]
+    size: tuple[PositiveLength, PositiveLength]
+    """Edge lengths along x and z [m]."""
+
+
+class Timed(Placement):
+    """What works for a part of the time."""
+
+    start: Duration = 0.0
+    """When it begins [s]."""
+    stop: PositiveDuration | None = None
+    """When it ends [s]; without it, never."""
+
+    @model_validator(mode="after")
+    def _starts_before_it_stops(self) -> Self:
+        if self.stop is not None and self.stop <= self.start:
+            raise ValueError(f"stop ({self.stop:g} s) must be later than start ({self.start:g} s)")
+        return self
+
+
+class Emitter(Timed):
+    """An outlet through which fluid comes in, along the shape's own y axis as it is turned.
+
+    Exactly one of speed and rate is given. The fluid moves straight on at this speed for one support radius, as in a
+    nozzle of that length, and is free from there.
+    """
+
+    shape: Annotated[Disc | Rectangle | MeshFace, Field(discriminator="type")]
+    speed: PositiveSpeed | None = None
+    """Speed of the fluid [m/s]."""
+    rate: VolumeRate | None = None
+    """Volume that comes in per second [m^3/s]; the speed follows from it and the area that the particles cover."""
+
+    @model_validator(mode="after")
+    def _speed_or_rate(self) -> Self:
+        if (self.speed is None) == (self.rate is None):
+            raise ValueError("an emitter needs exactly one of speed and rate")
+        return self
+
+
+class Drain(Timed):
+    """A volume in which fluid vanishes."""
+
+    shape: ClosedShape
 
 
 class Wcsph(Settings):
@@ -42,8 +102,9 @@ class Wcsph(Settings):
 class Incompressible(Settings):
     """Settings of a solver that looks for the pressures under which the fluid keeps its volume."""
 
-    density_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0005
-    """Mean compression that a step may leave, as a share of the rest density: 0.0005 is 0.05 %."""
+    density_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
+    """Mean compression that a step may leave, as a share of the rest density: 0.0001 is 0.01 %, at which water comes to
+    rest; 0.0005 is faster and does for a splash."""
     min_iterations: Annotated[int, Ge(1), Le(1000)] = 2
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 100
     """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
@@ -56,6 +117,15 @@ class Dfsph(Incompressible):
     """Mean compression in one step by the velocities after it, as a share of the rest density."""
 
 
+class ImplicitViscosity(Settings):
+    """Settings of implicit viscosity (Weiler et al. 2018)."""
+
+    error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.001
+    """Error that a step may leave in what viscosity changes of the velocities, as a share of it."""
+    max_iterations: Annotated[int, Ge(1), Le(100_000)] = 200
+    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
+
+
 class Fluid(Settings):
     """The liquid and how it is simulated."""
 
@@ -63,18 +133,39 @@ class Fluid(Settings):
     """Half the spacing of the particles [m]: halving it costs about 16 times the time."""
     bodies: dict[Name, FluidBody] = {}
     """The volumes that hold fluid at the start, by name; events may add more."""
+    emitters: dict[Name, Emitter] = {}
+    """Outlets through which fluid comes in, by name."""
+    drains: dict[Name, Drain] = {}
+    """Volumes in which fluid vanishes, by name."""
     solver: Literal["wcsph", "pcisph", "iisph", "dfsph"] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
     rest_density: Density = 1000.0
     viscosity: KinematicViscosity = 1e-6
     """Kinematic viscosity [m^2/s]: water 1e-6, honey about 7e-3."""
+    wall_slip: Literal["no_slip", "free_slip"] = "no_slip"
+    """Whether solids slow the fluid along their surface: with `no_slip` it sticks to them, in proportion to
+    `viscosity`."""
+    viscosity_solver: Literal["auto", "explicit", "implicit"] = "auto"
+    """How viscosity acts: `explicit` in steps that it limits, `implicit` by a system of equations in each step, and
+    `auto` implicitly where explicit viscosity would limit the step more than all else."""
+    implicit_viscosity: ImplicitViscosity = ImplicitViscosity()
+    xsph: Annotated[Dimensionless, Ge(0), Le(1)] = 0.0
+    """Share of the mean velocity of its neighbours that each particle takes over in every step (Monaghan 1989): hides
+    disorder, and slows the flow."""
     surface_tension: SurfaceTension = 0.0
     """Coefficient of surface tension [N/m]: water in air 0.072."""
+    surface_tension_model: Literal["becker2007", "akinci2013"] = "becker2007"
+    """Attraction of neighbours (Becker & Teschner 2007), or cohesion that keeps its distance and a pull towards a
+    smaller surface (Akinci et al. 2013)."""
+    adhesion: SurfaceTension = 0.0
+    """Work that it takes to part the fluid from solids, per area [N/m]: surface_tension times 1 + cos of the angle at
+    which the surface meets them."""
     max_particles: Annotated[int, Gt(0), Le(50_000_000)] = 5_000_000
-    """More fluid particles than this are refused before the simulation starts."""
+    """More fluid particles than this are refused before the simulation starts; emitters pause while there are
+    so many."""
     wcsph: Wcsph = Wcsph()
-    pcisph: Incompressible = Incompressible()
+    pcisph: Incompressible = Incompressible(density_error=0.0005)
     iisph: Incompressible = Incompressible()
     dfsph: Dfsph = Dfsph()
 

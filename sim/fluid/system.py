@@ -1,6 +1,7 @@
 """The fluid's particles and their surroundings: what every pressure solver shares."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import taichi as ti
@@ -15,7 +16,7 @@ from sim.neighbors import HashGrid, NeighborList
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
     Declared("velocity", "vec4", "m/s; w: density [kg/m^3]"),
-    Declared("acceleration", "vec4", "m/s^2; w: as position's, of a solver's second system of equations"),
+    Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
 )
 
@@ -43,11 +44,20 @@ STILL = Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
+class Exchange(Protocol):
+    """Particles that come, are led, and go."""
+
+    def lead(self) -> None: ...
+
+    def exchange(self, dt: float) -> bool: ...
+
+
 class FluidSystem:
     """Particles, their neighbours, and the solids around them, in coordinates relative to the world's origin.
 
     extra: arrays that only the solver needs. skin: how much further than the support radius neighbours are listed,
-    relative to it, so that a list serves for several short steps.
+    relative to it, so that a list serves for several short steps. implicit_viscosity: viscosity is no force, but a step
+    of its own.
     """
 
     def __init__(
@@ -58,8 +68,10 @@ class FluidSystem:
         boundary: Boundary,
         extra: tuple[Declared, ...] = (),
         skin: float = 0.0,
+        implicit_viscosity: bool = False,
     ):
         self.spec = spec
+        self.implicit_viscosity = implicit_viscosity
         self.gravity = gravity
         self.walls = walls
         self.boundary = boundary
@@ -72,9 +84,12 @@ class FluidSystem:
         self.neighbors = NeighborList(64)
         self._skin = skin * self.h
         self._way_left = 0.0
+        self.forgetful = True
+        """Whether what particles remember of the last step only to be faster is lost."""
         self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
         self.measured = STILL
         """What the last measure said."""
+        self.flow: Exchange | None = None
 
     @property
     def count(self) -> int:
@@ -86,10 +101,22 @@ class FluidSystem:
         self.begin_frame()
 
     def begin_frame(self) -> None:
-        """Choose the hash by the present count and forget the neighbours, so that a run that goes on from a
-        checkpoint does the same."""
+        """Choose the hash by the present count and forget the neighbours and what else is not saved, so that a run that
+        goes on from a checkpoint does the same."""
         self.grid.fit(self.count)
         self._way_left = 0.0
+        self.forgetful = True
+
+    def exchange(self, dt: float) -> None:
+        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet."""
+        if self.flow and self.flow.exchange(dt):
+            self._way_left = 0.0
+            self.forgetful = True
+
+    def lead(self) -> None:
+        """Give back their velocity to particles that no force is to move."""
+        if self.flow:
+            self.flow.lead()
 
     def find_neighbors(self, way: float = float("inf")) -> None:
         """Sort the particles by cell and list their neighbours, of the fluid and of the boundary.

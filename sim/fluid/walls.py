@@ -1,14 +1,13 @@
 """Plane walls without particles.
 
 What a half-space of fluid at rest would add to the density of a particle depends on its distance
-alone. Where walls meet, the void between them is the product of what each leaves, which is exact for one
-wall and for walls that do not reach the same particle.
+alone. Where walls meet, what they have in common counts once; that share is calibrated for walls at right angles.
 """
 
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Vec4Array, numpy_real, real, vec3, vec4
+from sim.arrays import Vec4Array, numpy_real, real, vec2, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
@@ -22,7 +21,8 @@ class Walls:
 
     def __init__(self, planes: np.ndarray, spacing: float, h: float):
         calibrated = calibrate_wall(spacing, h)
-        self.weight = calibrated.weight
+        self.fit = vec2(calibrated.weight, calibrated.overlap)
+        """Weight and overlap of the walls, as `sim.fluid.calibration.Wall` has them."""
         self.setback = calibrated.distance - spacing / 2
         self.count = len(planes)
         self.planes = ti.ndarray(vec4, max(self.count, 1))
@@ -32,18 +32,23 @@ class Walls:
 
 
 @ti.func
-def wall_share(x: vec3, count: ti.i32, planes: Vec4Array, inverse_h: real) -> vec4:
-    """Share of the kernel around x that lies in the walls, 0 to 1, in w, and its gradient with respect to x [1/m]."""
-    void = ti.cast(1.0, real)
-    gradient = vec3(0.0)
+def wall_share(x: vec3, count: ti.i32, fit: vec2, planes: Vec4Array, inverse_h: real) -> vec4:
+    """What the walls add to the density at x, over rest density, in w, and its gradient with respect to x [1/m]."""
+    weight, overlap = fit.x, fit.y
+    share, void = ti.cast(0.0, real), ti.cast(1.0, real)
+    gradient, void_gradient = vec3(0.0), vec3(0.0)
     for k in range(count):
         q = (planes[k].xyz.dot(x) - planes[k].w) * inverse_h
         if q < 1.0:
-            rest = 1.0 - halfspace_volume(q)
-            # What the walls before leave, this one cuts down; and its own gradient is cut down by theirs.
-            gradient = rest * gradient - void * halfspace_area(q) * inverse_h * planes[k].xyz
-            void *= rest
-    return vec4(gradient, 1.0 - void)
+            own = weight * halfspace_volume(q)
+            slope = -weight * halfspace_area(q) * inverse_h * planes[k].xyz
+            left = overlap / (overlap + own)
+            # The shares in common are sum p - (1 - prod (1 - p)), with p = own / (overlap + own).
+            share += own - (1.0 - left)
+            gradient += (1.0 - left * left / overlap) * slope
+            void_gradient = left * void_gradient - void * left * left / overlap * slope
+            void *= left
+    return vec4(gradient - void_gradient, share + 1.0 - void)
 
 
 @ti.func

@@ -8,9 +8,10 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real
+from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec2
 from sim.fluid.kernel import cubic
-from sim.fluid.limits import force_limit, viscosity_limit
+from sim.fluid.limits import force_limit
+from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.walls import wall_share
@@ -37,30 +38,36 @@ class Wcsph:
         damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
         system.wall_damping = spec.wcsph.wall_damping * self.speed_of_sound
         self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
+        self.mixing = Mixing(system)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
-        """Largest stable time steps [s]: sound, force and viscosity (Monaghan 1992, sec. 10)."""
+        """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
         half = 0.5 * self.system.h
         return {
-            "signal": cfl * half / (self.speed_of_sound + measure.v_max),
+            "signal": cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed),
             "force": force_limit(half, measure.a_max),
-            "viscosity": viscosity_limit(half, self.system.spec.viscosity + 0.1 * self.artificial),
-        }
+        } | self.momentum.step_limits()
 
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
         self._accelerate()
+        self.system.lead()
 
     def restore(self) -> None:
         """Go on from a checkpoint: it holds all that a step begins with."""
 
     def advance(self, dt: float) -> dict[str, float]:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
-        particles, last = self.system.particles, self.system.measured
+        particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
+        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
-        self._accelerate(dt * (last.v_max + dt * last.a_max))
+        boundary.move()
+        self.system.exchange(dt)
+        self._accelerate(way)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        return {}
+        told = self.mixing.mix(dt)
+        self.system.lead()
+        return told
 
     def _accelerate(self, way: float = float("inf")) -> None:
         system = self.system
@@ -81,7 +88,7 @@ class Wcsph:
             boundary.neighbors.size,
             boundary.neighbors.index,
             system.walls.count,
-            system.walls.weight,
+            system.walls.fit,
             system.walls.planes,
         )
         self.momentum.accelerate()
@@ -117,7 +124,7 @@ def _density(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_weight: real,
+    wall_fit: vec2,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -135,7 +142,7 @@ def _density(
                 b = samples[sample_index[i, k]]
                 solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
-        density += rest_density * wall_weight * wall_share(x, wall_count, planes, inverse_h).w
+        density += rest_density * wall_share(x, wall_count, wall_fit, planes, inverse_h).w
         ratio = density / rest_density
         ratio2 = ratio * ratio
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)

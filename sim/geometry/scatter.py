@@ -16,8 +16,8 @@ from sim.geometry.distance import closest_on_triangles
 # Radius of the disks over the spacing: a saturated set of them has about one sample in spacing^2.
 _DISK = 0.775
 # Closest that samples of sharp edges may come, over the spacing.
-_EDGE_DISK = 0.75
-_SHARP = np.deg2rad(40.0)
+EDGE_DISK = 0.75
+SHARP = np.deg2rad(40.0)
 _CANDIDATES = 2.0
 _ROUNDS = 8
 # Steps of the repulsion over the spacing: large ones to fill gaps, small ones to settle.
@@ -56,11 +56,11 @@ def _throw(corners: np.ndarray, fixed: np.ndarray, spacing: float, random: np.ra
             gap, _ = cKDTree(points).query(candidate, distance_upper_bound=radius)
             candidate = candidate[np.isinf(gap)]
         if len(candidate):
-            points = np.concatenate([points, candidate[_first_come(candidate, radius)]])
+            points = np.concatenate([points, candidate[first_come(candidate, radius)]])
     return points, np.concatenate(pool), np.concatenate(pool_face)
 
 
-def _first_come(points: np.ndarray, radius: float) -> np.ndarray:
+def first_come(points: np.ndarray, radius: float) -> np.ndarray:
     """Indices of a maximal subset with no two points within `radius`, earlier points first."""
     pairs = cKDTree(points).query_pairs(radius, output_type="ndarray")
     undecided = np.ones(len(points), dtype=bool)
@@ -123,12 +123,12 @@ def _on_sharp_edges(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
         at = at[:-1] if chain[0] == chain[-1] else at[1:-1]
         samples.append(np.column_stack([np.interp(at, along, line[:, axis]) for axis in range(3)]))
     points = np.concatenate(samples)
-    return points[_first_come(points, _EDGE_DISK * spacing)] if len(points) else points
+    return points[first_come(points, EDGE_DISK * spacing)] if len(points) else points
 
 
 def _chains(mesh: trimesh.Trimesh) -> tuple[list[int], list[list[int]]]:
     """Corner vertices, and polylines of sharp or open edges from corner to corner or around, as vertex indices."""
-    sharp = mesh.face_adjacency_edges[mesh.face_adjacency_angles > _SHARP]
+    sharp = mesh.face_adjacency_edges[mesh.face_adjacency_angles > SHARP]
     edges = np.sort(mesh.edges, axis=1)
     unique, counts = np.unique(edges, axis=0, return_counts=True)
     marked = np.unique(np.vstack([np.sort(sharp, axis=1), unique[counts == 1]]), axis=0)
@@ -144,7 +144,7 @@ def _chains(mesh: trimesh.Trimesh) -> tuple[list[int], list[list[int]]]:
             return True
         one, other = vertices[ends] - vertices[vertex]
         straightness = -one @ other / max(float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300)
-        return straightness < np.cos(_SHARP)
+        return straightness < np.cos(SHARP)
 
     corners = [vertex for vertex in around if is_corner(vertex)]
     left = {tuple(edge) for edge in marked.tolist()}

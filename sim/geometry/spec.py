@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from annotated_types import Gt
+from annotated_types import Ge, Gt
 from pydantic import Field, model_validator
 
 from sim.settings import Settings
@@ -96,6 +96,16 @@ class MeshFile(Settings):
     its bounding box, or the middle of the bounding box's bottom face."""
     repair: bool = True
     """Mend holes, flipped faces and non-manifold edges; what was mended is reported."""
+
+
+class MeshFace(MeshFile):
+    """A flat face of a mesh: a triangle with all that adjoin it in the same plane; outward is forward."""
+
+    repair: Literal[False] = False
+    """Nothing is mended, so that faces keep the numbers that they have in the file."""
+    face: Annotated[int, Ge(0)]
+    """Number of the triangle in the file, from 0; polygons count as the triangles they are cut into, triangles without
+    area do not count."""
 
 
 ClosedShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | MeshFile, Field(discriminator="type")]

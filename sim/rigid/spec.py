@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Le
@@ -13,11 +14,14 @@ from sim.units import AngularVelocity, Density, Dimensionless, Duration, Mass, P
 
 
 class Keyframe(Settings):
-    """Where a prescribed body is at one time; linear in between."""
+    """Where a prescribed body is at one time; it moves straight and turns evenly to the next, the shorter way round."""
 
     at: Duration
+    """Simulated time [s]."""
     position: Position
-    rotation: tuple[Rotation, ...] = ()
+    """Where the body's own origin is then [m]: as `position` of a body that stands."""
+    rotation: tuple[Rotation, ...] | None = None
+    """Turns, applied in the order given, instead of the body's own `rotation`; without them that one holds."""
 
 
 class RigidBody(Placement):
@@ -25,13 +29,18 @@ class RigidBody(Placement):
 
     shape: AnyShape
     motion: Literal["static", "prescribed", "dynamic"] = "static"
-    """`static` stands still, `prescribed` follows its keyframes, `dynamic` obeys forces."""
+    """`static` stands still, `prescribed` moves as its keyframes or velocities say, `dynamic` obeys forces."""
     density: Density = 1000.0
     mass: Mass | None = None
     """Instead of the density [kg]."""
     velocity: Velocity = (0.0, 0.0, 0.0)
+    """Of a dynamic body at the start; of a prescribed one without keyframes, its origin's for ever [m/s]."""
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
+    """Likewise [rad/s]: a prescribed body spins about its own origin."""
+    start: Duration | None = None
+    """When a prescribed body without keyframes sets off [s]; by default at 0, or when an event adds it."""
     keyframes: tuple[Keyframe, ...] = ()
+    """Where a prescribed body is, sorted by time; it is at rest before the first and after the last."""
     friction: Annotated[Dimensionless, Ge(0), Le(10)] = 0.5
     """Coefficient of Coulomb friction."""
     restitution: Annotated[Dimensionless, Ge(0), Le(1)] = 0.3
@@ -39,15 +48,44 @@ class RigidBody(Placement):
 
     @model_validator(mode="after")
     def _motion_is_consistent(self) -> Self:
-        if self.motion == "prescribed" and not self.keyframes:
-            raise ValueError("motion: prescribed needs keyframes")
+        moves = any(self.velocity) or any(self.angular_velocity)
+        if self.motion == "prescribed" and not (self.keyframes or moves):
+            raise ValueError("motion: prescribed needs keyframes, or velocity or angular_velocity")
         if self.motion != "prescribed" and self.keyframes:
-            raise ValueError("keyframes need motion: prescribed")
-        if self.motion != "dynamic" and (any(self.velocity) or any(self.angular_velocity)):
-            raise ValueError("velocity and angular_velocity need motion: dynamic")
+            raise ValueError("keyframes are for prescribed bodies: add `motion: prescribed`, or remove them")
+        if self.motion == "static" and moves:
+            raise ValueError("velocities are for bodies that move: add `motion: prescribed`, or remove them")
+        if self.keyframes and moves:
+            raise ValueError("keyframes exclude velocity and angular_velocity: give one of the two")
+        if self.start is not None and (self.motion != "prescribed" or self.keyframes):
+            raise ValueError("start is for prescribed bodies without keyframes: remove it")
+        if self.keyframes and any(self.position) and self.position != self.keyframes[0].position:
+            raise ValueError("position differs from that of the first keyframe: leave position out")
         if self.motion != "static" and self.shape.type in {"plane", "sheet"}:
-            raise ValueError(f"a {self.shape.type} can only be static")
+            raise ValueError(f"motion of a {self.shape.type} can only be static: use a thin box")
         return self
+
+    @model_validator(mode="after")
+    def _keyframes_are_in_order(self) -> Self:
+        for earlier, later in itertools.pairwise(self.keyframes):
+            if later.at <= earlier.at:
+                raise ValueError(
+                    f"the keyframe at {later.at:g} s follows the one at {earlier.at:g} s: "
+                    "sort keyframes by their time, no two at the same"
+                )
+            if self._turned(earlier, later) >= 180.0:
+                raise ValueError(
+                    f"half a turn or more from {earlier.at:g} s to {later.at:g} s, but bodies turn the shorter way: "
+                    "give keyframes in between, or angular_velocity instead of keyframes"
+                )
+        return self
+
+    def _turned(self, earlier: Keyframe, later: Keyframe) -> float:
+        """The angle [deg] between two keyframes that turn about the same axis; 0 where the axes differ."""
+        turns = [self.rotation if key.rotation is None else key.rotation for key in (earlier, later)]
+        if max(map(len, turns)) > 1 or len({turn.axis for pair in turns for turn in pair}) > 1:
+            return 0.0
+        return abs(sum(turn.angle for turn in turns[1]) - sum(turn.angle for turn in turns[0]))
 
 
 class Rigid(Settings):

@@ -47,9 +47,13 @@ RIGHT = {
     "heaviest": pool(fluid__rest_density=1e6),
     "inviscid": pool(fluid__viscosity=0),
     "honey": pool(fluid__viscosity=1),
+    "pitch": pool(fluid__viscosity=1e4),
+    "hardest pitch": pool(fluid__viscosity=1e6, fluid__solver="dfsph"),
     "small support": pool(fluid__support_ratio=3),
     "large support": pool(fluid__support_ratio=6),
     "surface tension": pool(fluid__surface_tension=50),
+    "surface tension of both terms": pool(fluid__surface_tension=50, fluid__surface_tension_model="akinci2013"),
+    "adhesion": pool(fluid__adhesion=50),
     "fast": pool(fluid__bodies__water__velocity=[100, 0, 0], fps=1000),
     "one particle": pool(fluid__bodies__water__shape__size=[0.04] * 3),
     "10 micrometres": scaled(5e-4),
@@ -64,7 +68,7 @@ RIGHT = {
 }
 REFUSED = {
     "no step is short enough": (pool(fluid__bodies__water__velocity=[1e5, 0, 0], fps=10), "fastest signal"),
-    "viscosity": (pool(fluid__viscosity=1e4), r"the viscosity \(1e\+04"),
+    "viscosity": (pool(fluid__viscosity=1e4, fluid__viscosity_solver="explicit"), r"the viscosity \(1e\+04"),
     "far away": (
         pool(containers__tank__position=[1e5, 0, 0], fluid__bodies__water__position=[1e5, 0.15, 0]),
         "coarse for particles",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from sim.fluid.calibration import SAMPLE_DEPTH, calibrate_wall, lack, sample_weight
+from sim.fluid.calibration import calibrate_wall, lack, sample_depth, sample_weight
 from sim.fluid.kernel import (
     cubic_host,
     cubic_slope_host,
@@ -98,6 +98,6 @@ def test_samples_replace_what_the_lattice_lacks(taichi):
     x, z = np.meshgrid(axis, axis)
     flat = np.column_stack((x.ravel(), np.zeros(x.size), z.ravel()))
     volume = sample_weight(spacing, H) * sample_volumes(flat, H)[len(flat) // 2]
-    height = (SAMPLE_DEPTH + 0.5) * spacing
+    height = sample_depth(spacing, H) + 0.5 * spacing
     added = volume * cubic_host(np.linalg.norm(flat - [0, height, 0], axis=1), H).sum()
     assert added == pytest.approx(lack(spacing, H).density, rel=1e-3)

@@ -16,11 +16,19 @@ G, RHO = 9.81, 1000.0
     ids=["sphere", "box"],
 )
 @pytest.mark.parametrize(
-    ("damping", "share"),
-    # Damping depends on the velocity, which the solver takes at half the step and the probe at its end: first order.
-    [(0.0, 0.002), (1.0, 0.05)],
+    ("damping", "settings", "share"),
+    # Damping and viscosity depend on the velocity, which the solver takes at half the step, or at its end, and the
+    # trapezoidal rule at both ends: first order.
+    [
+        (0.0, {}, 0.002),
+        (1.0, {}, 0.05),
+        (0.0, {"adhesion": 20}, 0.002),
+        (0.0, {"viscosity": 0.05, "viscosity_solver": "explicit"}, 0.05),
+        (0.0, {"viscosity": 0.05, "viscosity_solver": "implicit"}, 0.05),
+    ],
+    ids=["pressure", "damping", "adhesion", "explicit", "implicit"],
 )
-def test_the_impulse_on_a_body_is_the_momentum_that_the_fluid_loses(simulate, shape, radius, damping, share):
+def test_the_impulse_on_a_body_is_the_momentum_that_the_fluid_loses(simulate, shape, radius, damping, settings, share):
     """Without gravity: sum m (v0 - v1) = integral of the force on the body dt, here by the trapezoidal rule, which is
     what velocity Verlet does."""
     r, speed = 0.01, 2.0
@@ -30,6 +38,7 @@ def test_the_impulse_on_a_body_is_the_momentum_that_the_fluid_loses(simulate, sh
         "fluid": {
             "particle_radius": r,
             "wcsph": {"wall_damping": damping},
+            **settings,
             "bodies": {
                 "drop": {
                     "shape": {"type": "box", "size": [0.08, 0.08, 0.08]},

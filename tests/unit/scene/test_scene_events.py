@@ -53,6 +53,13 @@ EVENTS = {
         "events.0.add.rigid.b.motion",
         "not simulated yet",
     ),
+    "another motion": (
+        "- {at: 0.1, set: {rigid.bodies.ball: {shape: {type: sphere, radius: 0.18}, motion: prescribed, "
+        "velocity: [0, 1, 0]}}}",
+        "- {",
+        "events.0",
+        "the motion of 'ball' can not be changed by an event",
+    ),
     "cloth": (
         "- {at: 0.1, add: {cloth: {b: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}}",
         "- {",

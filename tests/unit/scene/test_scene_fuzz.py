@@ -55,7 +55,7 @@ def survives(path: Path) -> bool:
     return True
 
 
-SOURCES = ["bunny", "tiny/drain", "tiny/splash", "tiny/still"]
+SOURCES = ["bunny", "pouring", "tiny/drain", "tiny/splash", "tiny/still", "tiny/tap"]
 
 
 @pytest.mark.parametrize("name", SOURCES)

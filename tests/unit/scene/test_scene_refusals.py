@@ -45,12 +45,28 @@ REPLACED = {
     "quality": ("quality: draft", "quality: drft", "quality", "did you mean 'draft'?"),
     "solver": ("fluid:", "fluid:\n  solver: wcsp", "fluid.solver", "did you mean 'wcsph'?"),
     "dynamic": (PLACE, "motion: dynamic", "ball.motion", "'dynamic' are not simulated yet", "use motion: static"),
-    "prescribed": (
+    "unsorted keyframes": (
         PLACE,
-        "keyframes: [{at: 0, position: [0, 0, 0]}]\n      motion: prescribed",
-        "ball.motion",
-        "'prescribed' are not simulated yet",
+        "motion: prescribed\n      keyframes: [{at: 1, position: [0, 0, 0]}, {at: 0.5, position: [0, 1, 0]}]",
+        "bodies.ball",
+        "the keyframe at 0.5 s follows the one at 1 s",
     ),
+    "half a turn": (
+        PLACE,
+        "motion: prescribed\n      keyframes:\n"
+        "      - {at: 0, position: [0, 0, 0]}\n"
+        "      - {at: 1, position: [0, 0, 0], rotation: [{axis: [0, 1, 0], angle: 180}]}",
+        "ball",
+        "half a turn or more",
+    ),
+    "static keyframes": (
+        PLACE,
+        "keyframes: [{at: 0, position: [0, 0, 0]}]",
+        "ball.keyframes",
+        "add `motion: prescribed`",
+    ),
+    "static spin": (PLACE, "angular_velocity: [0, 1, 0]", "bodies.ball", "add `motion: prescribed`"),
+    "start of a static body": (PLACE, "start: 1", "ball.start", "for prescribed bodies"),
     "no keyframes": (PLACE, "motion: prescribed", "ball.motion", "needs keyframes"),
     "fat torus": (
         BALL,
@@ -108,7 +124,9 @@ LINES = {
     "thinner than a particle": "shape: {type: box",
     "no keyframes": "motion:",
     "solver": "solver:",
-    "prescribed": "motion:",
+    "unsorted keyframes": "ball:",
+    "half a turn": "ball:",
+    "static spin": "ball:",
 }
 
 

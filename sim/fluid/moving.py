@@ -1,0 +1,129 @@
+"""Boundary samples of bodies that move: carried along on the device, and listed beside those that stand."""
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, numpy_real, real, vec4
+from sim.neighbors import HashGrid, NeighborList
+
+MOTION = 18
+"""Numbers that say how a body moves: rotation (9, by rows), position, velocity and angular velocity (3 each)."""
+
+
+class MovingSamples:
+    """Samples that follow their bodies; they lie behind `first` others in the arrays that they are written to.
+
+    arms: where they are from their body's own origin as placed [m], shape [n, 3]; body: which row of the motions is
+    theirs, shape [n]; volumes: weighted [m^3], shape [n]; radius [m] within which they are listed.
+    """
+
+    def __init__(self, first: int, arms: np.ndarray, body: np.ndarray, volumes: np.ndarray, radius: float):
+        self.first = first
+        self.count = len(arms)
+        self.arms, self.body = arms, body
+        self.grid = HashGrid(self.count, radius)
+        self.near = NeighborList(48)
+        bodies = int(body.max()) + 1
+        self.reach = np.zeros(bodies)
+        np.maximum.at(self.reach, body, np.linalg.norm(arms, axis=1))
+        self._arms = ti.ndarray(vec4, self.count)
+        self._arms.from_numpy(np.column_stack((arms, volumes)).astype(numpy_real))
+        self._body = ti.ndarray(ti.i32, self.count)
+        self._body.from_numpy(body.astype(np.int32))
+        self._motions = ti.ndarray(ti.f64, (bodies, MOTION))
+        self._here = ti.ndarray(vec4, self.count)
+        self._sorted = ti.ndarray(vec4, self.count)
+
+    def fastest(self, motions: np.ndarray) -> float:
+        """The greatest speed [m/s] of a sample, from the motions of all bodies, shape [bodies, MOTION]."""
+        speed, turning = np.linalg.norm(motions[:, 12:15], axis=1), np.linalg.norm(motions[:, 15:], axis=1)
+        return float((speed + self.reach * turning).max())
+
+    def move(self, motions: np.ndarray, samples: ti.Ndarray, velocity: ti.Ndarray) -> None:
+        """Write positions [m] with volumes, and velocities [m/s]; motions of all bodies, shape [bodies, MOTION]."""
+        self._motions.from_numpy(motions)
+        _move(self.count, self.first, self._arms, self._body, self._motions, self._here, samples, velocity)
+
+    def find(self, position: ti.Ndarray, count: int) -> None:
+        """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
+        _arrange(self.count, self.grid.sort(self._here, self.count), self._here, self._sorted)
+        self.near.build(position, count, self.grid, self._sorted, same=False)
+
+    def append(self, count: int, lists: NeighborList, *, fresh: bool) -> int:
+        """Add what `find` has listed to the lists of others, or begin them where `fresh`.
+
+        Returns the room that the longest needs; lists are whole where that is at most their capacity.
+        """
+        return _append(
+            count,
+            self.first,
+            self.grid.order,
+            self.near.size,
+            self.near.index,
+            fresh,
+            lists.capacity,
+            lists.size,
+            lists.index,
+        )
+
+    @property
+    def bytes(self) -> int:
+        return 52 * self.count + self.grid.bytes + self.near.bytes
+
+
+@ti.kernel
+def _move(
+    count: ti.i32,
+    first: ti.i32,
+    arms: Vec4Array,
+    body: IntArray,
+    motions: DoubleTable,
+    here: Vec4Array,
+    samples: Vec4Array,
+    velocity: Vec4Array,
+):
+    for k in range(count):
+        b = body[k]
+        arm = ti.cast(arms[k].xyz, ti.f64)
+        turned = ti.Vector([0.0, 0.0, 0.0], dt=ti.f64)
+        for row in ti.static(range(3)):
+            for column in ti.static(range(3)):
+                turned[row] += motions[b, 3 * row + column] * arm[column]
+        position = ti.Vector([motions[b, 9 + axis] for axis in range(3)])
+        speed = ti.Vector([motions[b, 12 + axis] for axis in range(3)])
+        turning = ti.Vector([motions[b, 15 + axis] for axis in range(3)])
+        here[k] = vec4(ti.cast(position + turned, real), arms[k].w)
+        samples[first + k] = here[k]
+        velocity[first + k] = vec4(ti.cast(speed + turning.cross(turned), real), 0.0)
+
+
+@ti.kernel
+def _arrange(count: ti.i32, order: IntArray, source: Vec4Array, target: Vec4Array):
+    for k in range(count):
+        target[k] = source[order[k]]
+
+
+@ti.kernel
+def _append(
+    count: ti.i32,
+    first: ti.i32,
+    order: IntArray,
+    near_size: IntArray,
+    near_index: IntTable,
+    fresh: ti.template(),
+    capacity: ti.i32,
+    size: IntArray,
+    index: IntTable,
+) -> ti.i32:
+    longest = 0
+    for i in range(count):
+        begin = 0
+        if ti.static(not fresh):
+            begin = size[i]
+        end = begin + near_size[i]
+        if end <= capacity:
+            for k in range(begin, end):
+                index[i, k] = first + order[near_index[i, k - begin]]
+            size[i] = end
+        ti.atomic_max(longest, end)
+    return longest

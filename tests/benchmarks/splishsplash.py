@@ -1,0 +1,99 @@
+"""The peer's side of the benchmark: the dam break in SPlisHSPlasH.
+
+Runs in the peer's own environment and prints one line of JSON; `dam_break.py` calls it.
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pysplishsplash as sph
+
+METHODS = {"wcsph": 0, "pcisph": 1, "iisph": 3, "dfsph": 4}
+BOUNDARIES = {"akinci": 0, "density-map": 1, "volume-map": 2}
+MEASURED_EVERY = 10
+"""Steps between two looks at the densities."""
+
+
+def scene(options: argparse.Namespace) -> dict:
+    layers = round(1.0 / (2 * options.radius))
+    low = [-2 + 2 * options.radius, 2 * options.radius, -(layers - 1) * options.radius]
+    return {
+        "Configuration": {
+            "particleRadius": options.radius,
+            "simulationMethod": METHODS[options.method],
+            "boundaryHandlingMethod": BOUNDARIES[options.boundary],
+            "gravitation": [0, -9.81, 0],
+            "cflMethod": 1,
+            "cflFactor": 1,
+            "timeStepSize": 0.005,
+            "cflMaxTimeStepSize": 0.005,
+            "stopAt": options.seconds,
+            "DFSPH": {
+                "enableDivergenceSolver": True,
+                "minIterations": 2,
+                "maxIterations": 100,
+                "maxError": 0.05,
+                "maxIterationsV": 100,
+                "maxErrorV": 0.1,
+            },
+        },
+        "Materials": [
+            {"id": "Fluid", "density0": 1000, "viscosityMethod": 1, "Standard viscosity": {"viscosity": 0.01}}
+        ],
+        "RigidBodies": [
+            {
+                "geometryFile": str(Path(sys.prefix) / "bin/data/models/UnitBox.obj"),
+                "translation": [0, 1.5, 0],
+                "scale": [4, 3, 1.5],
+                "rotationAxis": [1, 0, 0],
+                "rotationAngle": 0,
+                "isDynamic": False,
+                "isWall": True,
+                "mapInvert": True,
+                "mapThickness": 0.0,
+                "mapResolution": [40, 30, 15],
+            }
+        ],
+        "FluidBlocks": [{"denseMode": 0, "start": low, "end": [x + 1 for x in low]}],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--method", choices=METHODS, required=True)
+    parser.add_argument("--boundary", choices=BOUNDARIES, required=True)
+    parser.add_argument("--radius", type=float, required=True, help="particle radius [m]")
+    parser.add_argument("--seconds", type=float, required=True, help="simulated time [s]")
+    options = parser.parse_args()
+    steps, errors = 0, []
+
+    def look() -> None:
+        nonlocal steps
+        steps += 1
+        if steps % MEASURED_EVERY == 0:
+            fluid = sph.Simulation.getCurrent().getFluidModel(0)
+            density = np.array(fluid.getFieldBuffer("density"), copy=False)
+            errors.append(float(np.maximum(density / 1000 - 1, 0).mean()))
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.json"
+        path.write_text(json.dumps(scene(options)))
+        base = sph.Exec.SimulatorBase()
+        base.init(useGui=False, sceneFile=str(path), outputDir=folder, stopAt=options.seconds)
+        base.setTimeStepCB(look)
+        base.initSimulation()
+        particles = sph.Simulation.getCurrent().getFluidModel(0).numActiveParticles()
+        start = time.perf_counter()
+        base.runSimulation()
+        wall = time.perf_counter() - start
+    result = {"particles": particles, "steps": steps, "wall": wall, "compression": float(np.mean(errors or [0.0]))}
+    print("RESULT", json.dumps(result), flush=True)
+
+
+if __name__ == "__main__":
+    main()

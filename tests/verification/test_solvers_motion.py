@@ -1,0 +1,93 @@
+"""Closed forms without a container, for every pressure solver: momentum that stays, and free fall."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.particles import positions, read_frame, velocities
+from tests.solvers import INCOMPRESSIBLE, SOLVERS, run, steps
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_collision_keeps_the_momentum(tmp_path, solver):
+    """Two drops collide without gravity; pair forces are equal and opposite, so sum m v stays, to rounding."""
+    ball = {"type": "sphere", "radius": 0.09}
+    spec = {
+        "fps": 20,
+        "gravity": [0, 0, 0],
+        "fluid": {
+            "solver": solver,
+            "particle_radius": 0.012,
+            "viscosity": 1e-3,
+            "bodies": {
+                "left": {"shape": ball, "position": [-0.11, 0, 0], "velocity": [1.0, 0.2, 0]},
+                "right": {"shape": ball, "position": [0.11, 0.03, 0.02], "velocity": [-0.5, 0, 0.1]},
+            },
+        },
+    }
+    out = run(spec, tmp_path, 6)
+    first, last = velocities(read_frame(out, 0)), velocities(read_frame(out, 6))
+    assert np.abs(first - last).max() > 0.5, "the drops did not collide"
+    scale = np.linalg.norm(first, axis=1).sum()
+    assert np.linalg.norm(last.sum(axis=0) - first.sum(axis=0)) < 1e-5 * scale
+
+
+def fall(out, solver, fixed):
+    """Mean position and velocity of a cube at its start and after half a second, less what is exact; duration [s]."""
+    g, v0, t = np.array([0.3, -9.81, 0.0]), np.array([0.5, 2.0, -1.0]), 0.5
+    spec = {
+        "fps": 2,
+        "gravity": g.tolist(),
+        "step": {"fixed": fixed},
+        "fluid": {
+            "solver": solver,
+            "particle_radius": 0.01,
+            "bodies": {
+                "cube": {
+                    "shape": {"type": "box", "size": [0.1, 0.1, 0.1]},
+                    "position": [0, 1.5, 0],
+                    "velocity": v0.tolist(),
+                }
+            },
+        },
+    }
+    run(spec, out, 1)
+    first, last = read_frame(out, 0), read_frame(out, 1)
+    moved = positions(last) - positions(first) - v0 * t - g * t * t / 2
+    return moved, velocities(last) - v0 - g * t, g, t
+
+
+def rounding(speeds: int, places: int, t: float) -> tuple[float, float]:
+    """What rounding may add up to, in a place [m] and in a speed [m/s], after t [s] and so many additions to each.
+
+    A step adds the same dt g to a speed, so that it is rounded by the same part of a unit in the last place as long as
+    the speed lies between the same two powers of two: errors do not cancel, and half a unit a step is the bound. Every
+    speed is under 4 m/s; dt, g and their product are rounded as well. A wrong speed moves the place, at most by t
+    times the greatest error; coordinates are under 2 m. In double precision nothing of this is left but that of files.
+    """
+    unit = np.spacing(np.float32(1)) / 2
+    speed = speeds * np.spacing(np.float32(2)) / 2 + 3 * unit * 9.81 * t
+    place = t * speed + places * unit + 2 * unit * 4 * t + np.spacing(np.float32(1))
+    return place, speed
+
+
+def test_wcsph_falls_exactly(tmp_path):
+    """Velocity Verlet is exact for a constant force: x = v0 t + g t^2 / 2, v = v0 + g t; speeds change twice a step."""
+    place, speed, _, t = fall(tmp_path, "wcsph", 2e-4)
+    steps_taken = len(steps(tmp_path))
+    of_place, of_speed = rounding(2 * steps_taken, steps_taken, t)
+    np.testing.assert_allclose(place.mean(axis=0), 0, atol=of_place)
+    np.testing.assert_allclose(speed.mean(axis=0), 0, atol=of_speed)
+
+
+@pytest.mark.parametrize("solver", INCOMPRESSIBLE)
+def test_the_incompressible_solvers_fall_as_symplectic_euler_does(tmp_path, solver):
+    """v = v0 + g t exactly; n equal steps move by v0 t + g t^2 / 2 + g t dt / 2."""
+    dt = 2e-3
+    place, speed, g, t = fall(tmp_path, solver, dt)
+    of_place, of_speed = rounding(len(steps(tmp_path)), len(steps(tmp_path)), t)
+    np.testing.assert_allclose(place.mean(axis=0), g * t * dt / 2, atol=of_place)
+    np.testing.assert_allclose(speed.mean(axis=0), 0, atol=of_speed)
+    # The cube falls as a whole: no particle is pressed out of the lattice.
+    assert np.abs(place - place.mean(axis=0)).max() < 0.01 * 0.02
