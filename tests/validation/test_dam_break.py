@@ -83,8 +83,8 @@ def test_the_collapse(solver, across, folder):
 @pytest.mark.slow
 @pytest.mark.timeout(7200)
 def test_the_solvers_agree(folder):
-    """Each within one spacing of their mean, over the times of the measurements."""
+    """In what they say of Z, by one spacing over a; WCSPH is a little behind, as it has to build up its pressure first."""
     moments = reference("front")[0] * FRONT_UNIT
     found = [simulated(solver, 20, folder) for solver in SOLVERS]
     fronts = np.array([np.interp(moments, each.times, each.front) for each in found])
-    assert np.sqrt(np.mean((fronts - fronts.mean(axis=0)) ** 2, axis=1)).max() < 1 / 20
+    assert np.abs(fronts / fronts.mean(axis=0) - 1).max() < 1 / 20
