@@ -39,6 +39,5 @@ def test_a_dam_break_is_compressed_no_more_than_asked(tmp_path, solver, asked):
     error = table["density_error_avg"]
     print(f"{solver}: {np.mean(error):.1e} for {asked}, {table['pressure_iterations'].mean():.1f} iterations")
     assert json.loads((out / "summary.json").read_text())["counts"]["steps_capped"] == 0
-    # What a step moves at most, 0.4 of half the support, is 0.4 spacings; between neighbours it differs by a
-    # hundredth of a spacing in the mean, whose square is the second order.
+    # Neighbours in motion part by a hundredth of their distance in a step, whose square is the second order.
     assert np.mean(error) < asked + 1e-4

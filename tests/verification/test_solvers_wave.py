@@ -2,9 +2,9 @@
 
 With k = pi / L, and Omega^2 = tanh(k H), a wave of the height a at the walls has
     omega / sqrt(g k) = Omega + (k a)^2 / 2 (9 Omega^-7 - 12 Omega^-3 - 3 Omega - 2 Omega^5) / 32
-(Airy, and the second order by Tadjbakhsh & Keller 1960, eq. 37). Viscosity damps the velocity by exp(-2 nu k^2 t), and
-the kinetic energy by its square: what is measured so is the numerical viscosity of the solver. Waves lower than a
-spacing are not of this test: particles at rest resist them like a crystal, and they swing too fast.
+(Airy, and the second order by Tadjbakhsh & Keller 1960). Viscosity damps the velocity by exp(-2 nu k^2 t), and
+the kinetic energy by its square: what is measured so is the numerical viscosity of the solver. Waves lower than
+two spacings are not of this test: particles at rest resist them like a crystal, and they swing too fast.
 
 A pool that has come to rest gets the velocities of the wave's potential cosh(k y) cos(k x), and the motion is read as
 the share of this field in the velocities.
