@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.particles import positions, read_frame
-from tests.solvers import SOLVERS, run_changed
+from tests.solvers import ITERATIVE, SOLVERS, run_changed
 
 RATE, RADIUS, LAYERS, FPS = 1.0, 1.0, 6, 4
 TURN = 0.4
@@ -77,3 +77,17 @@ def test_the_closed_form():
 def test_the_drop_becomes_the_ellipse(tmp_path, solver):
     for time, axes in draw(tmp_path, solver, 16).items():
         assert axes == pytest.approx(AXES[time], rel=0.03), f"A0 t = {time}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ITERATIVE)
+def test_the_long_axis_converges(tmp_path, solver):
+    """At least of first order in the spacing, from 8 over 12 to 18 particles on the radius; the short axis does not."""
+    errors = []
+    for across in (8, 12, 18):
+        (tmp_path / str(across)).mkdir()
+        long = draw(tmp_path / str(across), solver, across)[1.0][1]
+        errors.append(abs(long / exact(1.0 / RATE)[1] - 1))
+    print(f"{solver}: {errors}")
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < errors[0] * 8 / 18
