@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -26,14 +27,31 @@ GOOD = Measure(
 )
 
 
-def world(limit=1e-3, **step):
-    spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01}, "step": step})
+def world(limit=1e-3, solver="wcsph", **step):
+    spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01, "solver": solver}, "step": step})
     return SimpleNamespace(
         spec=spec,
         fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),
     )
+
+
+@pytest.mark.parametrize("solver", ["wcsph", "pcisph", "iisph", "dfsph"])
+@pytest.mark.parametrize("change", [{"not_finite": 2}, {"density_max": 1310.0}, {"too_fast": 3}, {"beyond_walls": 4}])
+@pytest.mark.parametrize("step", [{}, {"fixed": 1e-3}])
+def test_remedies_name_settings_of_the_solver_that_runs(solver, change, step):
+    here = world(solver=solver, **step)
+    told = find_fault(here, replace(GOOD, **change), 1e-3)
+    fields = re.findall(r"(?:fluid|step)\.[a-z_.]*[a-z]", told.remedy)
+    assert {field.split(".")[1] for field in fields if field.startswith("fluid")} == {solver}
+    assert ("step.fixed" in fields) is ("fixed" in step)
+    assert ("step.cfl" in fields) is not ("fixed" in step)
+    for field in fields:
+        value = here.spec
+        for key in field.split("."):
+            value = getattr(value, key)
+    assert solver == "wcsph" or "sound" not in told.what + told.remedy
 
 
 def test_a_good_step_has_none():
