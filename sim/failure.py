@@ -110,11 +110,11 @@ FIXED_MARGIN = 2.5
 """A fixed step may pass the limit of an instant's peak force, but not the true limit of the integrator."""
 
 
-def short_step(world: World, measure: Measure | None, scale: float, fps: float) -> Fault | None:
-    """The fault of a step limit times `scale` under the shortest step that a frame is worth."""
+def short_step(world: World, measure: Measure | None, limit: float, fps: float) -> Fault | None:
+    """The fault of a step `limit` [s] under the shortest step that a frame is worth."""
     if world.spec.step.fixed is not None:
         return None
-    limit, shortest = world.step_limit(measure) * scale, 1.0 / (fps * MOST_STEPS)
+    shortest = 1.0 / (fps * MOST_STEPS)
     if limit >= shortest:
         return None
     term, remedy = world.limiting_term(measure)

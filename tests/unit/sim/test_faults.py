@@ -88,9 +88,9 @@ def test_a_fixed_step_has_a_margin(factor, faulty):
 @pytest.mark.parametrize(("share", "faulty"), [(1.01, False), (0.99, True)])
 def test_a_step_can_be_too_short_for_a_frame(share, faulty):
     shortest = 1 / (24 * MOST_STEPS)
-    fault = short_step(world(limit=share * shortest), GOOD, 1.0, 24)
+    fault = short_step(world(), GOOD, share * shortest, 24)
     assert (fault is not None) == faulty
     if fault:
         assert "the viscosity allows steps of" in fault.what
         assert not fault.repeatable
-    assert short_step(world(limit=share * shortest, fixed=1e-9), GOOD, 1.0, 24) is None
+    assert short_step(world(fixed=1e-9), GOOD, share * shortest, 24) is None
