@@ -132,6 +132,8 @@ def _damaged(path: Path, reason: str) -> Refused:
 def _layout(spec: SimulationSpec) -> dict[str, Any]:
     """Settings that a state can not change."""
     layout: dict[str, Any] = {"fps": spec.fps}
+    if spec.precision != "single":
+        layout["precision"] = spec.precision
     if spec.fluid is not None:
         layout |= {"particle_radius": spec.fluid.particle_radius, "support_ratio": spec.fluid.support_ratio}
     return layout

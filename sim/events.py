@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Callable, Iterable
 from typing import Any, get_args
@@ -10,6 +9,7 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from sim.settings import Refused, Settings
+from sim.similar import similar, suggestion
 from sim.spec import Event, SimulationSpec
 
 TIME_TOLERANCE = 1e-12
@@ -134,9 +134,9 @@ def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str) -> R
 
 def _unknown(path: str, key: str, known: Iterable[str], location: tuple[str | int, ...]) -> Refused:
     known = sorted(known)
-    close = difflib.get_close_matches(key, known, n=1)
+    close = similar(key, known)
     meant = ".".join(close[0] if part == key else part for part in path.split(".")) if close else ""
-    remedy = f"did you mean '{meant}'?" if close else f"known here: {', '.join(known)}"
+    remedy = f"did you mean '{meant}'?" if close else suggestion(key, known)
     return Refused(f"there is no setting '{path}'", location=location, remedy=remedy)
 
 

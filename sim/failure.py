@@ -56,21 +56,37 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
 
 
 def _particle_fault(world: World, measure: Measure) -> Fault | None:
-    smaller = "use a smaller step (step.cfl, or step.maximum), or a higher speed_of_sound"
+    smaller = _calmer(world)
     if measure.not_finite or not _finite(measure):
         return Fault(f"{measure.not_finite or 'some'} particles have values that are not finite", smaller)
     if measure.density_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
         ratio = measure.density_max / world.spec.fluid.rest_density
         return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
     if measure.too_fast:
-        speed = world.fluid.fastest_signal
-        return Fault(
-            f"{measure.too_fast} particles are faster than sound ({speed:.3g} m/s)",
-            "raise fluid.wcsph.speed_of_sound if such speeds are meant, else " + smaller,
-        )
+        return _too_fast(world, measure.too_fast, smaller)
     if measure.beyond_walls:
         return Fault(f"{measure.beyond_walls} particles went through a wall", smaller)
     return None
+
+
+def _calmer(world: World) -> str:
+    """What helps where particles were pushed too hard, by the fields of the scene's own solver."""
+    smaller = "use a smaller step ("
+    smaller += "step.cfl, or step.maximum)" if world.spec.step.fixed is None else "step.fixed, or an adaptive one)"
+    solver = world.spec.fluid.solver
+    if solver == "wcsph":
+        return smaller + ", or a higher fluid.wcsph.speed_of_sound"
+    return smaller + f", a lower fluid.{solver}.density_error, or a higher fluid.{solver}.max_iterations"
+
+
+def _too_fast(world: World, number: int, smaller: str) -> Fault:
+    speed, solver = world.fluid.fastest_signal, world.spec.fluid.solver
+    if solver == "wcsph":
+        return Fault(
+            f"{number} particles are faster than sound ({speed:.3g} m/s)",
+            "raise fluid.wcsph.speed_of_sound if such speeds are meant, else " + smaller,
+        )
+    return Fault(f"{number} particles are faster ({speed:.3g} m/s) than anything in the scene can make them", smaller)
 
 
 def _finite(measure: Measure) -> bool:
@@ -94,11 +110,11 @@ FIXED_MARGIN = 2.5
 """A fixed step may pass the limit of an instant's peak force, but not the true limit of the integrator."""
 
 
-def short_step(world: World, measure: Measure | None, scale: float, fps: float) -> Fault | None:
-    """The fault of a step limit times `scale` under the shortest step that a frame is worth."""
+def short_step(world: World, measure: Measure | None, limit: float, fps: float) -> Fault | None:
+    """The fault of a step `limit` [s] under the shortest step that a frame is worth."""
     if world.spec.step.fixed is not None:
         return None
-    limit, shortest = world.step_limit(measure) * scale, 1.0 / (fps * MOST_STEPS)
+    shortest = 1.0 / (fps * MOST_STEPS)
     if limit >= shortest:
         return None
     term, remedy = world.limiting_term(measure)

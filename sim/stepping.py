@@ -160,13 +160,14 @@ class Run:
             if self.stop_requested:
                 output.drop_rows()
                 raise Interrupted
-            fault = short_step(self.world, self.measure, self.clock.step_scale, self.spec.fps)
+            limit = self.world.step_limit(self.measure)
+            fault = short_step(self.world, self.measure, limit * self.clock.step_scale, self.spec.fps)
             if fault is not None:
                 return fault
             start = time.perf_counter()
             target = self._target(until)
             rest = target - self.clock.time
-            wanted = self._wanted_step()
+            wanted = self._wanted_step(limit)
             dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
             after = target if dt == rest else self.clock.time + dt
             told = self.world.advance(dt, after)
@@ -191,12 +192,12 @@ class Run:
         keyframe = self.world.obstacles.next_keyframe(self.clock.time)
         return keyframe if keyframe < until - TIME_TOLERANCE else until
 
-    def _wanted_step(self) -> float:
-        """The step [s] before the end of a frame cuts it."""
+    def _wanted_step(self, limit: float) -> float:
+        """The step [s] before the end of a frame cuts it; `limit` [s] is the largest stable one."""
         step = self.spec.step
         if step.fixed is not None:
             return step.fixed
-        limits = [self.world.step_limit(self.measure), LONGEST_STEP]
+        limits = [limit, LONGEST_STEP]
         if step.maximum is not None:
             limits.append(step.maximum)
         if self.clock.last_step > 0:
@@ -243,7 +244,7 @@ class Run:
         fault = find_fault(self.world, self.measure, 0.0)
         if fault is not None:
             raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
-        short = short_step(self.world, self.measure, 1.0, self.spec.fps)
+        short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
         if short is not None:
             raise Refused(short.what, remedy=short.remedy)
         fixed = self.spec.step.fixed

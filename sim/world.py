@@ -157,7 +157,9 @@ class World:
             case "surface tension":
                 tension = max(self.spec.fluid.surface_tension, self.spec.fluid.adhesion)
                 return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
-        speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, fluid {measure.v_max:.3g} m/s"
+        speeds = f"fluid {measure.v_max:.3g} m/s"
+        if self.spec.fluid.solver == "wcsph":
+            speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, {speeds}"
         if self.flow and self.flow.fastest(self.time):
             speeds += f", emitters {self.flow.fastest(self.time):.3g} m/s"
         if self.fluid.system.boundary.moves:

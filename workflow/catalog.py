@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
-import difflib
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
 from sim.settings import Refused
+from sim.similar import similar
 from workflow.document import SceneError
 from workflow.plan import FILMS, Job, Plan
 from workflow.results import Unrecorded, refuse_unrecorded, repairs
@@ -31,7 +31,7 @@ def find(name: str, folder: Path = Path(SCENES)) -> Path:
     path = folder / f"{name}.yaml"
     known = names(folder)
     if name not in known:
-        close = difflib.get_close_matches(name, known, n=3, cutoff=0.5)
+        close = similar(name, known, most=3)
         close += [other for other in known if other.endswith(f"/{name}") or name.startswith(f"{other}/")]
         hint = " or ".join(f"{FILMS}/{other}" for other in dict.fromkeys(close))
         fix = f"did you mean {hint}?" if hint else f"the scenes are {', '.join(known) or 'none yet'}"

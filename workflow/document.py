@@ -7,7 +7,6 @@ constructed.
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+
+from sim.similar import suggestion
 
 Location = tuple[str | int, ...]
 
@@ -119,13 +120,6 @@ class Document:
 
 def dotted(location: Iterable[str | int]) -> str:
     return ".".join(str(part) for part in location)
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """`did you mean ...?` or the list of what is known."""
-    known = sorted(known)
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return f"did you mean '{close[0]}'?" if close else f"known here: {', '.join(known)}"
 
 
 def read(path: Path) -> Document:

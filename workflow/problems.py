@@ -9,7 +9,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from workflow.document import Document, Location, suggestion
+from sim.similar import suggestion
+from workflow.document import Document, Location
 
 
 def explain(error: ValidationError, document: Document, model: type[BaseModel]) -> list[str]:

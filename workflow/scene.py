@@ -16,10 +16,11 @@ from render.spec import RenderSpec
 from sim.geometry import assets
 from sim.geometry.spec import MeshFile
 from sim.settings import Refused
+from sim.similar import suggestion
 from sim.spec import BodyForce, SimulationSpec, VertexPosition
 from sim.support import refuse_unsupported
 from sim.units import PositiveDuration
-from workflow.document import Document, SceneError, read, suggestion
+from workflow.document import Document, SceneError, read
 from workflow.film_spec import FilmSpec
 from workflow.problems import explain
 from workflow.surface_spec import SURFACE_PRESETS, SurfaceSpec

@@ -91,8 +91,9 @@ class Boundary:
 
     @property
     def bytes(self) -> int:
-        own = 16 * self.count + self.grid.bytes + self.neighbors.bytes
-        return own + (16 * self.count + self._moving.bytes if self.moves else 0)
+        table = 4 * np.dtype(numpy_real).itemsize * self.count
+        own = table + self.grid.bytes + self.neighbors.bytes
+        return own + (table + self._moving.bytes if self.moves else 0)
 
 
 def sample_volumes(points: np.ndarray, support_radius: float) -> np.ndarray:

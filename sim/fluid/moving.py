@@ -68,7 +68,7 @@ class MovingSamples:
 
     @property
     def bytes(self) -> int:
-        return 52 * self.count + self.grid.bytes + self.near.bytes
+        return (12 * np.dtype(numpy_real).itemsize + 4) * self.count + self.grid.bytes + self.near.bytes
 
 
 @ti.kernel

@@ -1,9 +1,14 @@
 """Predictive-corrective incompressible SPH (Solenthaler & Pajarola 2009).
 
 Positions after the step are predicted, densities found there, and pressures raised by what these exceed the rest
-density, until that is little. The factor between the two is that of a particle inside the fluid:
-    p += delta (rho* - rho0), delta = rho0^2 / (2 dt^2 m^2 sum_j |grad W_ij|^2)             eq. 8, for a lattice
-Next to solids, whose density has the steep gradient G, it is less: |G_i|^2 is added to the sum.
+density, until that is little. With q = p / rho^2 and the gradient G of what solids add to the density,
+    q += 0.5 (rho* - rho0) / (dt^2 (sum_j |m grad W_ij|^2 + |G|^2)),
+where the sum is that of a lattice (eq. 8): a particle with few neighbours would be raised too much.
+
+The density of solids is steep, and bends both ways. With G at the place that was predicted last, a particle that is
+pushed out of a solid loses the force that did it and falls back, further each time; and one that is deep inside, where
+G vanishes, is raised without bound. So G only grows while a step is solved: it begins where the particle would go
+without pressure, and takes over what it lacks of any steeper one that is met.
 """
 
 from typing import ClassVar
@@ -18,15 +23,20 @@ from sim.fluid.solids import solid_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
+RELAXATION = 0.5
+"""Share of what would bring one particle alone to its rest density: its neighbours are raised with it."""
+
 
 class Pcisph(Incompressible):
     """Advances a FluidSystem."""
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = (
-        Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: |G|^2 [kg^2/m^8]", sorted=False, saved=False),
+        Declared("push", "vec4", "acceleration by pressure [m/s^2]", sorted=False, saved=False),
         Declared(
             "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
         ),
+        Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]", sorted=False, saved=False),
+        Declared("pressed", "vec4", "way by pressure in the last step [m]", saved=False),
     )
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
@@ -45,7 +55,7 @@ class Pcisph(Incompressible):
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
-        _begin(system.count, particles.position, particles.push)
+        _begin(system.count, particles.position, particles.push, particles.solid)
         for iteration in range(1, settings.max_iterations + 1):
             _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
             mean, worst = self._compress()
@@ -54,10 +64,12 @@ class Pcisph(Incompressible):
                 break
             self._raise(dt)
         kick(system.count, dt, particles.velocity, particles.push)
+        if system.boundary.count:
+            _remember(system.count, dt, particles.push, particles.pressed)
         return {"pressure_iterations": iteration, "capped": not good}
 
     def _compress(self) -> tuple[float, float]:
-        """Compression at the predicted positions [kg/m^3]: written, and its mean and maximum."""
+        """Compression at the predicted positions [kg/m^3], which is written, as G is: its mean and maximum."""
         system = self.system
         boundary, walls = system.boundary, system.walls
         mean, worst = _compress(
@@ -65,8 +77,8 @@ class Pcisph(Incompressible):
             system.h,
             system.mass,
             system.spec.rest_density,
-            system.particles.push,
             system.particles.predicted,
+            system.particles.solid,
             system.neighbors.size,
             system.neighbors.index,
             boundary.count > 0,
@@ -83,34 +95,33 @@ class Pcisph(Incompressible):
     def _raise(self, dt: float) -> None:
         """Raise pressures by what is compressed, and find the accelerations."""
         system, particles = self.system, self.system.particles
-        boundary, walls = system.boundary, system.walls
         _raise(
             system.count,
-            0.5 / (dt * dt),
+            RELAXATION / (dt * dt),
             self.lattice_sum,
             system.h,
             system.mass,
-            system.spec.rest_density,
             particles.position,
             particles.push,
             particles.predicted,
+            particles.solid,
             system.neighbors.size,
             system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
-            walls.count,
-            walls.fit,
-            walls.planes,
         )
 
 
 @ti.kernel
-def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array):
+def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array, solid: Vec4Array):
     for i in range(count):
         position[i].w = 0.0
         push[i] = vec4(0.0)
+        solid[i] = vec4(0.0)
+
+
+@ti.kernel
+def _remember(count: ti.i32, dt: real, push: Vec4Array, pressed: Vec4Array):
+    for i in range(count):
+        pressed[i] = vec4(dt * dt * push[i].xyz, 0.0)
 
 
 @ti.kernel
@@ -131,8 +142,8 @@ def _compress(
     h: real,
     mass: real,
     rest_density: real,
-    push: Vec4Array,
     predicted: Vec4Array,
+    solid: Vec4Array,
     size: IntArray,
     index: IntTable,
     has_boundary: ti.template(),
@@ -157,7 +168,10 @@ def _compress(
         share = solid_share(
             x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
         )
-        push[i].w = rest_density * rest_density * share.xyz.dot(share.xyz)
+        steep = rest_density * share.xyz.norm()
+        if steep > 0:
+            normal = share.xyz.normalized()
+            solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
         predicted[i].w = mass * norm * (near + 1 - (padded(size[i]) - size[i])) + rest_density * (share.w - 1.0)
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
@@ -181,24 +195,18 @@ def _raise(
     lattice_sum: real,
     h: real,
     mass: real,
-    rest_density: real,
     position: Vec4Array,
     push: Vec4Array,
     predicted: Vec4Array,
+    solid: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec2,
-    planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
     strength = mass * 8.0 / ti.math.pi * inverse_h**5
     for i in range(count):
-        position[i].w = ti.max(position[i].w + factor / (lattice_sum + push[i].w) * predicted[i].w, 0.0)
+        diagonal = lattice_sum + solid[i].xyz.dot(solid[i].xyz)
+        position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
     for i in range(count):
         x = position[i]
         a = vec3(0.0)
@@ -206,19 +214,4 @@ def _raise(
             xj = position[index[i, k]]
             d = x.xyz - xj.xyz
             a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
-        near_solid = 0
-        if ti.static(has_boundary):
-            near_solid = sample_size[i]
-        share = solid_share(
-            predicted[i].xyz,
-            i,
-            near_solid,
-            sample_index,
-            samples,
-            wall_count,
-            wall_fit,
-            planes,
-            inverse_h,
-            has_boundary,
-        )
-        push[i].xyz = strength * a - x.w * rest_density * share.xyz
+        push[i].xyz = strength * a - x.w * solid[i].xyz

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import importlib.util
 import os
@@ -10,6 +9,7 @@ import re
 from pathlib import Path
 
 from sim.settings import Refused
+from sim.similar import similar
 
 # Two characters at least, so that the drive letter of a Windows path is not taken for a package.
 _IN_PACKAGE = re.compile(r"(?P<package>[A-Za-z_]\w+):(?P<path>.+)", re.DOTALL)
@@ -72,14 +72,13 @@ def _suggestion(path: Path, inside: str) -> str:
     while not folder.is_dir() and folder != folder.parent:
         wanted = folder.name
         folder = folder.parent
-    close = difflib.get_close_matches(wanted.lower(), [name.lower() for name in _names(folder)], n=3, cutoff=0.5)
-    similar = [name for name in _names(folder) if name.lower() in close]
-    if not similar:
+    close = sorted(similar(wanted, _names(folder), most=3))
+    if not close:
         return _HOW_TO_NAME + _examples(folder)
     written = Path(inside)
     depth = len(path.parts) - len(folder.parts)
     prefix = Path(*written.parts[:-depth]) if depth < len(written.parts) else Path()
-    return "Did you mean " + " or ".join(str(prefix / name) for name in similar) + "?"
+    return "Did you mean " + " or ".join(str(prefix / name) for name in close) + "?"
 
 
 def _examples(folder: Path) -> str:

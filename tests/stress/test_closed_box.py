@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame
+from tests.particles import positions, read_frame, read_table
 from tests.stress.scenes import assert_nothing_broken, pool
 
 SIZE = 0.4
@@ -38,3 +40,13 @@ def test_nothing_leaves(simulate, cfl, speed):
     assert_nothing_broken(out)
     assert leaks(out, FRAMES) == 0
     assert len(read_frame(out, FRAMES)) == len(read_frame(out, 0))
+
+
+@pytest.mark.parametrize("cfl", [0.4, pytest.param(0.1, marks=pytest.mark.slow)])
+def test_pcisph_overshoots_at_no_wall(simulate, cfl):
+    """Thrown into a corner it never presses a particle into a wall, so that no frame has to be repeated."""
+    scene = pool(fps=12.5, step={"cfl": cfl}, fluid__solver="pcisph", fluid__bodies__water__velocity=[5, -4.5, 4])
+    out = simulate(scene, FRAMES, threads=1)
+    assert leaks(out, FRAMES) == 0
+    assert json.loads((out / "summary.json").read_text())["counts"]["retries"] == 0
+    assert read_table(out / "steps.csv")["density_error_max"].max() < 0.3

@@ -176,6 +176,59 @@ def test_a_turned_container(tmp_path, solver):
     assert read_table(tmp_path / "turned" / "steps.csv")["density_error_max"].max() < 0.3
 
 
+@pytest.mark.parametrize("coincident", [1, 2])
+def test_more_particles_in_one_place(tmp_path, solver, coincident):
+    """One particle, or two pairs of particles, where others are already: as two of them."""
+    scene = pool(fluid__solver=solver)
+    assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
+
+    def meet(x, _):
+        x[1 : 1 + coincident, :3] = x[10 : 10 + coincident, :3]
+
+    changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", meet)
+    out = tmp_path / "run"
+    status = ends(scene, tmp_path, out, 2, first=1, state=tmp_path / "state_00000.npz")
+    assert status in (0, 2, 3)
+    if status == 0:
+        assert inside(out, 2)
+
+
+def test_a_lattice_too_dense(tmp_path, solver):
+    """Spacing 0.8 d, as no scene can ask for: the density, 1.95 times that at rest, is refused before the first step.
+    A body interleaved with another has no room, which is refused; one that reaches out of it is filled there, and
+    what had no room is counted."""
+    scene = pool(fluid__solver=solver)
+    assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
+
+    def squeeze(x, _):
+        x[:, :3] = x[:, :3].mean(axis=0) + 0.8 * (x[:, :3] - x[:, :3].mean(axis=0))
+
+    changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", squeeze)
+    squeezed = {"first": 1, "state": tmp_path / "state_00000.npz"}
+    assert ends(scene, tmp_path, tmp_path / "squeezed", 2, **squeezed) in (2, 3)
+    inside_it = {"shape": {"type": "box", "size": [0.12] * 3}, "position": [0.02, 0.17, 0.02]}
+    within = pool(fluid__solver=solver, fluid__bodies={"water": WATER, "again": inside_it})
+    assert ends(within, tmp_path, tmp_path / "within", 2) == 2
+    again = WATER | {"position": [0.08, 0.17, 0.02]}
+    both = pool(fluid__solver=solver, fluid__bodies={"water": WATER, "again": again})
+    assert ends(both, tmp_path, tmp_path / "both", 2) == 0
+    found = json.loads((tmp_path / "both" / "summary.json").read_text())["counts"]
+    assert found["particles_without_room"] > 0 and found["particles_started"] + found["particles_without_room"] == 250
+
+
+def test_explicit_viscosity_far_beyond_its_limit(tmp_path, solver):
+    """The step shortens with nu, or is refused where a frame would need too many; `auto` takes implicit steps."""
+    thick = pool(fluid__solver=solver, fluid__viscosity=10, fluid__viscosity_solver="explicit", fps=1000)
+    assert ends(thick, tmp_path, tmp_path / "explicit", 1) == 0
+    # 0.05 (h/2)^2 / nu, or less at walls.
+    assert steps(tmp_path / "explicit")["dt"].max() <= 0.05 * D**2 / 10
+    hopeless = pool(fluid__solver=solver, fluid__viscosity=1e4, fluid__viscosity_solver="explicit")
+    assert ends(hopeless, tmp_path, tmp_path / "hopeless", 1) == 2
+    implicit = pool(fluid__solver=solver, fluid__viscosity=1e4)
+    assert ends(implicit, tmp_path, tmp_path / "implicit", 1) == 0
+    assert steps(tmp_path / "implicit")["viscosity_iterations"].max() > 0
+
+
 def test_a_piston_that_leaves_no_room(tmp_path, solver):
     """A plate closes a full box: no fluid can be there at last, so the run stops and keeps the last good state."""
     plate = {

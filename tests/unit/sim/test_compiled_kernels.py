@@ -21,9 +21,31 @@ FEATURES = {
 ABSENT = ("tension", "adhesion", "viscosity", "xsph", "wcsph", "pcisph", "emitters", "streams", "drains")
 
 
-def summary(out: Path, **fluid) -> dict:
+TANK = {"containers": {"tank": {"type": "box", "size": [0.5, 0.5, 0.5]}}}
+BALL = {"shape": {"type": "sphere", "radius": 0.05}, "position": [0.16, 0.1, 0]}
+SPOUT = {"shape": {"type": "disc", "radius": 0.05}, "position": [0.1, 0.3, 0], "speed": 8}
+ADDED = {
+    "solid bodies": ({}, {"rigid": {"bodies": {"ball": BALL}}}, {"iisph"}),
+    "bodies that move": (
+        {},
+        {"rigid": {"bodies": {"ball": BALL | {"motion": "prescribed", "velocity": [0, 0.1, 0]}}}},
+        {"iisph", "moving"},
+    ),
+    "emitters": ({"emitters": {"spout": SPOUT}}, {}, {"streams"}),
+    "drains": ({"drains": {"all": {"shape": {"type": "box", "size": [1, 1, 1]}}}}, {}, {"drains"}),
+    "becker2007": ({"surface_tension": 0.07}, {}, set()),
+    "no walls": ({}, {"containers": {}}, set()),
+    "no viscosity": ({"viscosity": 0}, {}, set()),
+    "wcsph": ({"solver": "wcsph"}, {}, {"wcsph"}),
+    "pcisph": ({"solver": "pcisph"}, {}, {"pcisph"}),
+    "iisph": ({"solver": "iisph"}, {}, set()),
+}
+"""Settings of the fluid and of the scene, and the modules of sim.fluid whose kernels they add to plain DFSPH."""
+
+
+def summary(out: Path, scene: dict = TANK, **fluid) -> dict:
     """Of two frames, simulated in a process of their own."""
-    spec = {"fps": 100, "fluid": FLUID | fluid, "containers": {"tank": {"type": "box", "size": [0.5, 0.5, 0.5]}}}
+    spec = {"fps": 100, "fluid": FLUID | fluid} | scene
     command = [sys.executable, "-m", "sim.segment", "--folder", out, "--frames", "0:1", "--out", out, "--arch", "cpu"]
     done = subprocess.run([*command, "--spec", json.dumps(spec)], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -46,3 +68,17 @@ def test_a_scene_with_a_feature_compiles_its_kernels(tmp_path, feature):
     told = summary(tmp_path, **FEATURES[feature])
     assert modules(told) & set(FEATURES) == {feature}
     assert told["chosen"]["fluid.viscosity_solver"] == ("implicit" if feature == "viscosity" else "explicit")
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory) -> set[str]:
+    return modules(summary(tmp_path_factory.mktemp("plain")))
+
+
+@pytest.mark.parametrize("name", ADDED)
+def test_what_a_scene_has_adds_its_own_kernels_only(tmp_path, plain, name):
+    fluid, scene, added = ADDED[name]
+    found = modules(summary(tmp_path, TANK | scene, **fluid))
+    assert found - plain == added
+    lost = plain - found
+    assert not lost or (name in ("wcsph", "pcisph") and lost <= {"incompressible", "projection", "conjugate_gradients"})

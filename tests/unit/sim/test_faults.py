@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -26,14 +27,31 @@ GOOD = Measure(
 )
 
 
-def world(limit=1e-3, **step):
-    spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01}, "step": step})
+def world(limit=1e-3, solver="wcsph", **step):
+    spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01, "solver": solver}, "step": step})
     return SimpleNamespace(
         spec=spec,
         fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),
     )
+
+
+@pytest.mark.parametrize("solver", ["wcsph", "pcisph", "iisph", "dfsph"])
+@pytest.mark.parametrize("change", [{"not_finite": 2}, {"density_max": 1310.0}, {"too_fast": 3}, {"beyond_walls": 4}])
+@pytest.mark.parametrize("step", [{}, {"fixed": 1e-3}])
+def test_remedies_name_settings_of_the_solver_that_runs(solver, change, step):
+    here = world(solver=solver, **step)
+    told = find_fault(here, replace(GOOD, **change), 1e-3)
+    fields = re.findall(r"(?:fluid|step)\.[a-z_.]*[a-z]", told.remedy)
+    assert {field.split(".")[1] for field in fields if field.startswith("fluid")} == {solver}
+    assert ("step.fixed" in fields) is ("fixed" in step)
+    assert ("step.cfl" in fields) is not ("fixed" in step)
+    for field in fields:
+        value = here.spec
+        for key in field.split("."):
+            value = getattr(value, key)
+    assert solver == "wcsph" or "sound" not in told.what + told.remedy
 
 
 def test_a_good_step_has_none():
@@ -70,9 +88,9 @@ def test_a_fixed_step_has_a_margin(factor, faulty):
 @pytest.mark.parametrize(("share", "faulty"), [(1.01, False), (0.99, True)])
 def test_a_step_can_be_too_short_for_a_frame(share, faulty):
     shortest = 1 / (24 * MOST_STEPS)
-    fault = short_step(world(limit=share * shortest), GOOD, 1.0, 24)
+    fault = short_step(world(), GOOD, share * shortest, 24)
     assert (fault is not None) == faulty
     if fault:
         assert "the viscosity allows steps of" in fault.what
         assert not fault.repeatable
-    assert short_step(world(limit=share * shortest, fixed=1e-9), GOOD, 1.0, 24) is None
+    assert short_step(world(fixed=1e-9), GOOD, share * shortest, 24) is None
