@@ -14,14 +14,14 @@ def fall_limit(half: float, gravity: float) -> float:
 
 
 def viscosity_limit(half: float, viscosity: float, strongest: float = 0.0) -> float:
-    """0.05 half^2 / nu [s], for explicit viscosity [m^2/s].
+    """0.08 half^2 / nu [s], for explicit viscosity [m^2/s].
 
     The friction of a particle between others at rest has the rate 10 nu / half^2, that of neighbours that move against
-    each other twice as much; up to 1 over this rate nothing overshoots. `strongest`: what solids add to that rate,
-    times the support radius squared [m^2/s].
+    each other twice as much; at 2 over this rate they would be thrown back as fast as they came. `strongest`: what
+    solids add to that rate, times the support radius squared [m^2/s].
     """
     rate = 20.0 * viscosity + 0.25 * strongest
-    return half * half / rate if rate > 0 else math.inf
+    return 1.6 * half * half / rate if rate > 0 else math.inf
 
 
 def capillary_limit(half: float, surface_tension: float, density: float) -> float:

@@ -48,7 +48,7 @@ def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
         (1e-6, "dfsph", False),
         (7e-3, "dfsph", True),
         (1e-6, "wcsph", False),
-        (2e-3, "wcsph", False),
+        (4e-3, "wcsph", False),
         (10, "wcsph", True),
     ],
 )
