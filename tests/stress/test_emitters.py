@@ -14,7 +14,7 @@ from sim import segment
 from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.particles import read_frame, read_table
-from tests.solvers import ITERATIVE, SOLVERS
+from tests.solvers import ITERATIVE, SOLVERS, STRESSED
 from tests.stress.scenes import assert_nothing_broken, contents, finish, make_faults, pool, run_segment
 
 DOWN = [{"axis": [1, 0, 0], "angle": 180}]
@@ -94,7 +94,7 @@ def test_more_threads_are_the_same(whole, tmp_path):
     assert contents(tmp_path / "two", "fluid_*.ply") == contents(whole, "fluid_*.ply")
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 def test_a_frame_that_is_repeated_emits_no_more(simulate, monkeypatch, solver):
     """A fault after 0.05 s takes the frame back, with what has been sent in it."""
     scene = pool(fluid__emitters={"tap": TAP}, fluid__solver=solver, fluid__bodies={}, gravity=[0, 0, 0])
@@ -134,7 +134,7 @@ def test_a_full_box_takes_no_more(simulate, capfd):
     assert capfd.readouterr().err.count("'tap' is blocked") == 1
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("speed", [1.0, 5.0])
 def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
     """Room for 72 particles is filled in 0.32 s, or less; done, or stopped with the last good state."""
@@ -168,7 +168,7 @@ def test_a_stream_is_let_go_where_nothing_gives_way(simulate, solver):
     assert read_table(out / "steps.csv")["density_error_max"].max() < 0.3
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 def test_the_step_knows_the_speed_of_emitters(simulate, solver):
     """v dt <= cfl h / 2 from the first step, before there is any particle; a fixed step beyond is refused."""
     scene = pool(fluid__emitters={"tap": TAP | {"speed": 4}}, fluid__solver=solver, fluid__bodies={})
@@ -178,7 +178,7 @@ def test_the_step_knows_the_speed_of_emitters(simulate, solver):
         simulate(scene | {"step": {"fixed": 0.1}}, 2, threads=1)
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 def test_a_speed_beyond_all_bounds_is_refused(simulate, solver):
     scene = pool(fluid__emitters={"tap": TAP | {"speed": 1e6}}, fluid__solver=solver)
     with pytest.raises(Refused, match=r"emitters 1e\+06 m/s.* allows steps of"):

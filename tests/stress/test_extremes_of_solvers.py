@@ -14,12 +14,12 @@ from sim.segment import simulate as run
 from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame, read_table, velocities
-from tests.solvers import SOLVERS, steps
+from tests.solvers import STRESSED, steps
 from tests.stress.scenes import assert_nothing_broken, pool
 
 D = 0.04
 WATER = pool()["fluid"]["bodies"]["water"]
-pytestmark = pytest.mark.parametrize("solver", SOLVERS)
+pytestmark = pytest.mark.parametrize("solver", STRESSED)
 
 
 def ends(spec, folder, out, last, **options):

@@ -14,7 +14,7 @@ from sim.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame
 from tests.sharp_bodies import SPACING, TOP, export, sharp_bodies
-from tests.solvers import SOLVERS
+from tests.solvers import STRESSED
 from tests.stress.scenes import assert_nothing_broken
 
 FRAMES = 8
@@ -57,7 +57,7 @@ def inside(scene, out, folder):
     return count
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
     """At the longest steps that settings allow."""
@@ -67,7 +67,7 @@ def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
     assert inside(scene, out, tmp_path) == 0
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
     """Each at half of 50 m/s, the body turning."""
@@ -78,7 +78,7 @@ def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
     assert inside(scene, out, tmp_path) == 0
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
     """50 m/s, on a plate half as thick as a particle is wide, whatever the support."""
@@ -93,7 +93,7 @@ def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
         assert not (across & (x[:, 1] < TOP)).any()
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("kind", ["planes", "cube", "spike"])
 def test_nothing_leaves_a_closed_container(simulate, tmp_path, kind, ratio, solver):
@@ -122,7 +122,7 @@ def test_nothing_leaves_a_closed_container(simulate, tmp_path, kind, ratio, solv
         assert held.sum() == len(x) == count
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize(
     "motion",
     [{"velocity": [2.5, -1.7, 1.3]}, {"angular_velocity": [0, 12, 12]}],

@@ -6,14 +6,14 @@ import json
 
 import pytest
 
-from tests.solvers import SOLVERS
+from tests.solvers import STRESSED
 from tests.stress.scenes import assert_nothing_broken
 
 MOST = 1000
 """Bytes a particle."""
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 def test_a_particle_takes_a_kilobyte_at_most(simulate, solver):
     """27 000 particles in half of a box with plane walls, whose lists have grown as far as they will at rest."""
     side = 0.6

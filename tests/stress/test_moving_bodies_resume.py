@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.solvers import SOLVERS
+from tests.solvers import STRESSED
 from tests.stress.scenes import contents, make_faults, pool, run_segment
 from tests.stress.test_resume import IN_FRAME_4, assert_continued
 
@@ -39,7 +39,7 @@ def scene(solver):
     )
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("cut", [2, 4])
 def test_two_parts_are_the_whole(simulate, solver, cut):
     whole = simulate(scene(solver), 8, "whole", threads=1)

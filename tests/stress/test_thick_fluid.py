@@ -10,7 +10,7 @@ import pytest
 from sim.fluid.mixing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
 from tests.particles import read_table
-from tests.solvers import SOLVERS
+from tests.solvers import STRESSED
 from tests.stress.scenes import contents, pool, run_segment
 
 BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "position": [0.05, 0.06, 0]}
@@ -25,7 +25,7 @@ THICK = {
 }
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", STRESSED)
 def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
     scene = pool(fluid__solver=solver, **THICK)
     whole, first, second = (tmp_path / name for name in ("whole", "first", "second"))
