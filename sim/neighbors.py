@@ -31,6 +31,12 @@ def padded(size: ti.i32) -> ti.i32:
     return (size + (LANES - 1)) & ~(LANES - 1)
 
 
+@ti.func
+def itself(size: ti.i32) -> ti.i32:
+    """How often a particle has to be counted beside its padded list, to be counted once in all."""
+    return 1 - (padded(size) - size)
+
+
 def periods_for(count: int) -> tuple[int, int, int]:
     """Search radii along x, y and z in a period: powers of two, one to two cubes a particle for room to splash."""
     period = [8, 8, 8]

@@ -15,9 +15,11 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.forces import pressure_sum
 from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
+from sim.fluid.sums import span
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
@@ -114,29 +116,32 @@ class ConjugateGradients:
 
 
 @ti.func
-def _range(part: ti.i32, parts: ti.i32, count: ti.i32) -> ti.types.vector(2, ti.i32):
-    """Begin and end of one of so many ranges of equal size."""
-    size = (count + parts - 1) // parts
-    return ti.Vector([ti.min(part * size, count), ti.min((part + 1) * size, count)])
+def _add(sums: DoubleTable, columns: ti.template(), group: ti.i32, rows: ti.i32):
+    """Sum the first columns of one of GROUPS ranges of rows, into a row behind those."""
+    within = span(group, GROUPS, rows)
+    for column in ti.static(range(columns)):
+        total = ti.cast(0.0, ti.f64)
+        for row in range(within[0], within[1]):
+            total += sums[row, column]
+        sums[rows + group, column] = total
 
 
 @ti.func
-def _add(sums: DoubleTable, columns: ti.template(), group: ti.i32, rows: ti.i32):
-    """Sum the first columns of one of GROUPS ranges of rows, into a row behind those."""
-    span = _range(group, GROUPS, rows)
-    for column in ti.static(range(columns)):
-        total = ti.cast(0.0, ti.f64)
-        for row in range(span[0], span[1]):
-            total += sums[row, column]
-        sums[rows + group, column] = total
+def _share(sums: DoubleTable, rows: ti.i32) -> ti.f64:
+    """Of a step, that minimises the energy: gain over bend, summed over the groups."""
+    gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    for group in range(GROUPS):
+        gain += sums[rows + group, 0]
+        bend += sums[rows + group, 1]
+    return ti.select(bend > 0.0, ti.math.clamp(gain / bend, 0.0, 1.0), 0.0)
 
 
 @ti.kernel
 def _compression(count: ti.i32, rows: ti.i32, source: RealArray, sums: DoubleTable) -> ti.types.vector(2, ti.f64):
     for row in range(rows):
         error, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
-        span = _range(row, rows, count)
-        for i in range(span[0], span[1]):
+        within = span(row, rows, count)
+        for i in range(within[0], within[1]):
             error += ti.max(source[i], 0.0)
             worst = ti.max(worst, source[i])
         sums[row, 0] = error
@@ -168,8 +173,8 @@ def _begin(
     last = sums.shape[0] - 1
     for row in range(rows):
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        span = _range(row, rows, count)
-        for i in range(span[0], span[1]):
+        within = span(row, rows, count)
+        for i in range(within[0], within[1]):
             q, s = position[i].w, source[i]
             if warm != 0 and q + s * diagonal[i] / dt2 > 0.0:
                 gain += s * q
@@ -180,11 +185,7 @@ def _begin(
         _add(sums, 2, group, rows)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for group in range(GROUPS):
-            gain += sums[rows + group, 0]
-            bend += sums[rows + group, 1]
-        sums[last, 0] = ti.select(bend > 0.0, ti.math.clamp(gain / bend, 0.0, 1.0), 0.0)
+        sums[last, 0] = _share(sums, rows)
     for i in range(count):
         share, s = ti.cast(sums[last, 0], real), source[i]
         kept[i] = vec4(0.0, 0.0, 0.0, s)
@@ -224,17 +225,12 @@ def _iterate(
             downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
             position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
     for i in range(count):
-        x = position[i]
-        a = vec3(0.0)
-        for k in range(padded(size[i])):
-            xj = position[index[i, k]]
-            d = x.xyz - xj.xyz
-            a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
-        push[i].xyz = strength * a - x.w * solid[i].xyz
+        a = pressure_sum(i, position, size, index, inverse_h)
+        push[i].xyz = strength * a - position[i].w * solid[i].xyz
     for row in range(rows):
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        span = _range(row, rows, count)
-        for i in range(span[0], span[1]):
+        within = span(row, rows, count)
+        for i in range(within[0], within[1]):
             x, a = position[i], push[i].xyz
             change = ti.cast(0.0, real)
             for k in range(padded(size[i])):
@@ -252,19 +248,15 @@ def _iterate(
         _add(sums, 2, group, rows)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for group in range(GROUPS):
-            gain += sums[rows + group, 0]
-            bend += sums[rows + group, 1]
-        share = ti.select(bend > 0.0, ti.math.clamp(gain / bend, 0.0, 1.0), 0.0)
+        share = _share(sums, rows)
         # The first pressures are taken whole where that lowers the energy at all.
         sums[last, 1] = ti.select(first != 0 and share > 0.5, 1.0, share)
     for row in range(rows):
         error, across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         worst = ti.cast(0.0, real)
         share = ti.cast(sums[last, 1], real)
-        span = _range(row, rows, count)
-        for i in range(span[0], span[1]):
+        within = span(row, rows, count)
+        for i in range(within[0], within[1]):
             step = share * (position[i].w - search[i].x)
             change = share * (push[i] - kept[i])
             kept[i] += change
@@ -283,8 +275,8 @@ def _iterate(
     for group in range(GROUPS):
         _add(sums, 3, group, rows)
         worst = ti.cast(0.0, ti.f64)
-        span = _range(group, GROUPS, rows)
-        for row in range(span[0], span[1]):
+        within = span(group, GROUPS, rows)
+        for row in range(within[0], within[1]):
             worst = ti.max(worst, sums[row, 3])
         sums[rows + group, 3] = worst
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.arrays import real
-from sim.fluid.kernel import cubic_host, cubic_slope_host
+from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.fluid.kernel import cubic_host, cubic_slope, cubic_slope_host
+from sim.neighbors import padded
 
 SOFTENING = 0.01
 """Added to the square of a pair's distance over h, so that pairs that meet are not torn apart."""
@@ -20,6 +21,18 @@ def _viscous_factor() -> float:
 
 
 VISCOUS = _viscous_factor()
+
+
+@ti.func
+def pressure_sum(i: ti.i32, position: Vec4Array, size: IntArray, index: IntTable, inverse_h: real) -> vec3:
+    """-sum_j (q_i + q_j) grad W_ij over the kernel's norm and its h^2, with q = p / rho^2 in position.w."""
+    x = position[i]
+    a = vec3(0.0)
+    for k in range(padded(size[i])):
+        xj = position[index[i, k]]
+        d = x.xyz - xj.xyz
+        a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
+    return a
 
 
 @ti.func

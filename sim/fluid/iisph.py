@@ -2,13 +2,12 @@
 
 from typing import ClassVar
 
-import taichi as ti
-
-from sim.arrays import Declared, Vec4Array, real, vec4
+from sim.arrays import Declared
 from sim.fluid import projection
 from sim.fluid.conjugate_gradients import ConjugateGradients
 from sim.fluid.incompressible import Incompressible, kick
 from sim.fluid.projection import Projection
+from sim.fluid.solids import remember_way
 from sim.fluid.system import FluidSystem
 
 
@@ -35,11 +34,5 @@ class Iisph(Incompressible):
         solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
         kick(system.count, dt, system.particles.velocity, system.particles.kept)
         if system.boundary.count:
-            _remember(system.count, dt, system.particles.kept, system.particles.pressed)
+            remember_way(system.count, dt, system.particles.kept, system.particles.pressed)
         return {"pressure_iterations": solution.iterations, "capped": solution.capped}
-
-
-@ti.kernel
-def _remember(count: ti.i32, dt: real, kept: Vec4Array, pressed: Vec4Array):
-    for i in range(count):
-        pressed[i] = vec4(dt * dt * kept[i].xyz, 0.0)

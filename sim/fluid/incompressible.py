@@ -14,8 +14,6 @@ from sim.fluid.system import FluidSystem, Measure
 
 WORST = 0.05
 """No particle may be left compressed by more than this share, whatever the mean."""
-BLOCKS = 256
-"""Errors are summed over this many ranges of particles, so that sums do not depend on threads."""
 
 
 class Incompressible:

@@ -16,12 +16,14 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec2, vec3, vec4
-from sim.fluid.incompressible import BLOCKS, WORST, Incompressible, kick
-from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.solids import solid_share
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec2, vec4
+from sim.fluid.forces import pressure_sum
+from sim.fluid.incompressible import WORST, Incompressible, kick
+from sim.fluid.kernel import cubic, cubic_slope_host, lattice
+from sim.fluid.solids import remember_way, solid_share
+from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
-from sim.neighbors import padded
+from sim.neighbors import itself, padded
 
 RELAXATION = 0.5
 """Share of what would bring one particle alone to its rest density: its neighbours are raised with it."""
@@ -65,13 +67,13 @@ class Pcisph(Incompressible):
             self._raise(dt)
         kick(system.count, dt, particles.velocity, particles.push)
         if system.boundary.count:
-            _remember(system.count, dt, particles.push, particles.pressed)
+            remember_way(system.count, dt, particles.push, particles.pressed)
         return {"pressure_iterations": iteration, "capped": not good}
 
     def _compress(self) -> tuple[float, float]:
         """Compression at the predicted positions [kg/m^3], which is written, as G is: its mean and maximum."""
         system = self.system
-        boundary, walls = system.boundary, system.walls
+        walls = system.walls
         mean, worst = _compress(
             system.count,
             system.h,
@@ -79,12 +81,7 @@ class Pcisph(Incompressible):
             system.spec.rest_density,
             system.particles.predicted,
             system.particles.solid,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             walls.count,
             walls.fit,
             walls.planes,
@@ -116,12 +113,6 @@ def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array, solid: Vec4Array
         position[i].w = 0.0
         push[i] = vec4(0.0)
         solid[i] = vec4(0.0)
-
-
-@ti.kernel
-def _remember(count: ti.i32, dt: real, push: Vec4Array, pressed: Vec4Array):
-    for i in range(count):
-        pressed[i] = vec4(dt * dt * push[i].xyz, 0.0)
 
 
 @ti.kernel
@@ -172,10 +163,11 @@ def _compress(
         if steep > 0:
             normal = share.xyz.normalized()
             solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
-        predicted[i].w = mass * norm * (near + 1 - (padded(size[i]) - size[i])) + rest_density * (share.w - 1.0)
+        predicted[i].w = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
-        for i in range(count * block // BLOCKS, count * (block + 1) // BLOCKS):
+        within = span(block, BLOCKS, count)
+        for i in range(within[0], within[1]):
             total += ti.max(predicted[i].w, 0.0)
             worst = ti.max(worst, predicted[i].w)
         sums[block, 0] = total
@@ -208,10 +200,5 @@ def _raise(
         diagonal = lattice_sum + solid[i].xyz.dot(solid[i].xyz)
         position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
     for i in range(count):
-        x = position[i]
-        a = vec3(0.0)
-        for k in range(padded(size[i])):
-            xj = position[index[i, k]]
-            d = x.xyz - xj.xyz
-            a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
-        push[i].xyz = strength * a - x.w * solid[i].xyz
+        a = pressure_sum(i, position, size, index, inverse_h)
+        push[i].xyz = strength * a - position[i].w * solid[i].xyz

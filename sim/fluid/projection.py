@@ -20,7 +20,7 @@ from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real,
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
-from sim.neighbors import padded
+from sim.neighbors import itself, padded
 
 ARRAYS = (
     Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: s + dt^2 L q [kg/m^3]", sorted=False, saved=False),
@@ -74,12 +74,7 @@ class Projection:
             particles.solid,
             particles.diagonal,
             particles.source,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             boundary.moves,
             boundary.velocity,
             walls.count,
@@ -93,7 +88,7 @@ class Projection:
         The share of the solids is steep, so it is taken, with its gradient G, where the particle would go.
         """
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, walls = system.particles, system.walls
         _predict(
             system.count,
             dt,
@@ -104,12 +99,7 @@ class Projection:
             particles.velocity,
             particles.solid,
             particles.source,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             walls.count,
             walls.fit,
             walls.planes,
@@ -159,7 +149,7 @@ def _prepare(
             squares += slope * slope * r2
             along += slope * d
             rate += slope * d.dot(v - velocity[j].xyz)
-        density = mass * norm * (near + 1 - (padded(size[i]) - size[i]))
+        density = mass * norm * (near + itself(size[i]))
         near_solid = 0
         if ti.static(has_boundary):
             near_solid = sample_size[i]
@@ -225,5 +215,5 @@ def _predict(
             inverse_h,
             has_boundary,
         )
-        source[i] = mass * norm * (near + 1 - (padded(size[i]) - size[i])) + rest_density * (share.w - 1.0)
+        source[i] = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
         solid[i].xyz = rest_density * share.xyz

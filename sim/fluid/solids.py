@@ -1,4 +1,4 @@
-"""What all solids together add to the density of a particle."""
+"""What all solids together add to the density of a particle, and how hard it is pressed against them."""
 
 import taichi as ti
 
@@ -51,3 +51,10 @@ def approach(
         d = x - samples[b].xyz
         rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
     return 8.0 / ti.math.pi * inverse_h**5 * rate
+
+
+@ti.kernel
+def remember_way(count: ti.i32, dt: real, push: Vec4Array, pressed: Vec4Array):
+    """Keep the way [m] by pressure, for the force on bodies."""
+    for i in range(count):
+        pressed[i] = vec4(dt * dt * push[i].xyz, 0.0)

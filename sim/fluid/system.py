@@ -10,6 +10,7 @@ from sim.arrays import Declared, DoubleTable, Particles, Vec4Array, real, vec3
 from sim.fluid.boundary import Boundary
 from sim.fluid.kernel import particle_mass
 from sim.fluid.spec import Fluid
+from sim.fluid.sums import BLOCKS, span
 from sim.fluid.walls import Walls, wall_depth
 from sim.neighbors import HashGrid, NeighborList
 
@@ -19,9 +20,6 @@ PARTICLES = (
     Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
 )
-
-BLOCKS = 64
-"""Partial sums are taken over this many ranges of particles, so that they do not depend on threads."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +88,14 @@ class FluidSystem:
         self.measured = STILL
         """What the last measure said."""
         self.flow: Exchange | None = None
+
+    @property
+    def lists(self) -> tuple[ti.Ndarray | bool, ...]:
+        """Neighbours as kernels take them: size and index of the lists of particles, whether there are samples, the
+        samples, and size and index of their lists."""
+        boundary = self.boundary
+        near, near_samples = self.neighbors, boundary.neighbors
+        return near.size, near.index, boundary.count > 0, boundary.samples, near_samples.size, near_samples.index
 
     @property
     def count(self) -> int:
@@ -193,9 +199,8 @@ def _measure(
 ):
     for block in range(BLOCKS):
         row = ti.Vector([0.0] * 14, dt=ti.f64)
-        begin = ti.cast(ti.cast(count, ti.i64) * block // BLOCKS, ti.i32)
-        end = ti.cast(ti.cast(count, ti.i64) * (block + 1) // BLOCKS, ti.i32)
-        for i in range(begin, end):
+        within = span(block, BLOCKS, count)
+        for i in range(within[0], within[1]):
             x, v, a = position[i], velocity[i], acceleration[i]
             v2, a2 = v.xyz.dot(v.xyz), a.xyz.dot(a.xyz)
             row[0] = ti.max(row[0], v2)

@@ -23,11 +23,10 @@ from sim.fluid.friction import (
     wall_friction_block,
 )
 from sim.fluid.kernel import cubic_slope
+from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
-BLOCKS = 256
-"""Sums are taken over this many ranges of particles, so that they do not depend on threads."""
 ROUNDING = 4 * float(np.finfo(numpy_real).eps)
 """Residuals below this share of the velocities are rounding."""
 CHECK = 4
@@ -93,12 +92,7 @@ class Viscosity:
             particles.residual,
             particles.inverse,
             particles.inverse_off,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             boundary.moves,
             boundary.velocity,
             walls.count,
@@ -110,7 +104,7 @@ class Viscosity:
 
     def _iterate(self, viscosity: float) -> None:
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, walls = system.particles, system.walls
         _iterate(
             system.count,
             system.h,
@@ -129,12 +123,7 @@ class Viscosity:
             particles.image,
             particles.inverse,
             particles.inverse_off,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             walls.count,
             walls.setback,
             walls.planes,
@@ -232,7 +221,8 @@ def _begin(
     for part in range(BLOCKS):
         across, left = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         change, whole = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for i in range(count * part // BLOCKS, count * (part + 1) // BLOCKS):
+        within = span(part, BLOCKS, count)
+        for i in range(within[0], within[1]):
             before, guess, r = velocity[i].xyz, search[i].xyz, residual[i].xyz
             z = _solve(inverse[i], inverse_off[i], r)
             across += r.dot(z)
@@ -311,7 +301,8 @@ def _iterate(
         image[i].xyz = p.xyz - pull
     for part in range(BLOCKS):
         bend = ti.cast(0.0, ti.f64)
-        for i in range(count * part // BLOCKS, count * (part + 1) // BLOCKS):
+        within = span(part, BLOCKS, count)
+        for i in range(within[0], within[1]):
             bend += search[i].xyz.dot(image[i].xyz)
         sums[part, 1] = bend
     ti.loop_config(serialize=True)
@@ -323,7 +314,8 @@ def _iterate(
     for part in range(BLOCKS):
         length = ti.cast(sums[BLOCKS, 1], real)
         across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for i in range(count * part // BLOCKS, count * (part + 1) // BLOCKS):
+        within = span(part, BLOCKS, count)
+        for i in range(within[0], within[1]):
             v = velocity[i].xyz + length * search[i].xyz
             r = residual[i].xyz - length * image[i].xyz
             velocity[i].xyz = v

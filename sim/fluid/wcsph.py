@@ -15,7 +15,7 @@ from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.walls import wall_share
-from sim.neighbors import padded
+from sim.neighbors import itself, padded
 
 GAMMA = 7.0
 """Exponent of the equation of state of water (Cole 1948)."""
@@ -72,7 +72,7 @@ class Wcsph:
     def _accelerate(self, way: float = float("inf")) -> None:
         system = self.system
         system.find_neighbors(way)
-        particles, boundary = system.particles, system.boundary
+        particles = system.particles
         _density(
             system.count,
             system.h,
@@ -81,12 +81,7 @@ class Wcsph:
             self.stiffness,
             particles.position,
             particles.velocity,
-            system.neighbors.size,
-            system.neighbors.index,
-            boundary.count > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            *system.lists,
             system.walls.count,
             system.walls.fit,
             system.walls.planes,
@@ -135,7 +130,7 @@ def _density(
         for k in range(padded(size[i])):
             near += cubic((x - position[index[i, k]].xyz).norm() * inverse_h)
         # The padding repeats the particle itself, whose W h^3 pi / 8 is 1.
-        density = mass * norm * (near + 1 - (padded(size[i]) - size[i]))
+        density = mass * norm * (near + itself(size[i]))
         if ti.static(has_boundary):
             solid = ti.cast(0.0, real)
             for k in range(sample_size[i]):

@@ -25,11 +25,11 @@ TANK = {"containers": {"tank": {"type": "box", "size": [0.5, 0.5, 0.5]}}}
 BALL = {"shape": {"type": "sphere", "radius": 0.05}, "position": [0.16, 0.1, 0]}
 SPOUT = {"shape": {"type": "disc", "radius": 0.05}, "position": [0.1, 0.3, 0], "speed": 8}
 ADDED = {
-    "solid bodies": ({}, {"rigid": {"bodies": {"ball": BALL}}}, {"iisph"}),
+    "solid bodies": ({}, {"rigid": {"bodies": {"ball": BALL}}}, {"solids"}),
     "bodies that move": (
         {},
         {"rigid": {"bodies": {"ball": BALL | {"motion": "prescribed", "velocity": [0, 0.1, 0]}}}},
-        {"iisph", "moving"},
+        {"moving", "solids"},
     ),
     "emitters": ({"emitters": {"spout": SPOUT}}, {}, {"streams"}),
     "drains": ({"drains": {"all": {"shape": {"type": "box", "size": [1, 1, 1]}}}}, {}, {"drains"}),
