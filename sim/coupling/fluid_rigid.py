@@ -173,13 +173,25 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     force = -strength[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)
     total, turning = force.sum(axis=0), torque.sum(axis=0)
-    if pressed is not None:
-        # The pressures of the first system of equations act by the gradient where particles would have gone without.
-        before = position[:, :3] - pressed[:, :3]
+    for pushing, way in _pushes(system, position, pressed):
+        # Each acts by the gradient where particles would have gone without it.
+        before = position[:, :3] - way
         pairs = cKDTree(before).sparse_distance_matrix(tree, system.h, output_type="coo_matrix")
         d = before[pairs.row] - samples[pairs.col]
-        along = -position[pairs.row, 3] * cubic_slope_host(np.linalg.norm(d, axis=1), system.h)
+        along = -pushing[pairs.row] * cubic_slope_host(np.linalg.norm(d, axis=1), system.h)
         force = -(system.mass * system.spec.rest_density * volumes[pairs.col] * along)[:, None] * d
         total = total + force.sum(axis=0)
         turning = turning + np.cross(samples[pairs.col] - centre, force).sum(axis=0)
     return total, turning
+
+
+def _pushes(
+    system: FluidSystem, position: np.ndarray, pressed: np.ndarray | None
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Pressures as q that were found for a whole step, and the way [m] of particles since they were looked for."""
+    if pressed is None:
+        return []
+    if not hasattr(system.particles, "corrected"):
+        return [(position[:, 3], pressed[:, :3])]
+    corrected = system.particles.numpy("corrected").astype(np.float64)
+    return [(position[:, 3] - corrected[:, 3], pressed[:, :3]), (corrected[:, 3], corrected[:, :3])]

@@ -1,14 +1,23 @@
-"""Implicit incompressible SPH (Ihmsen et al. 2014): pressures that keep densities at rest density after the step."""
+"""Implicit incompressible SPH (Ihmsen et al. 2014): pressures that keep densities at rest density after the step.
+
+The equations are linear in the way that pressures push particles, which in an impact is too far for that: what they
+then meet where they would go is found, and pushed off, once more.
+"""
 
 from typing import ClassVar
 
-from sim.arrays import Declared
+import taichi as ti
+
+from sim.arrays import Declared, Vec4Array, real, vec4
 from sim.fluid import projection
-from sim.fluid.conjugate_gradients import ConjugateGradients
+from sim.fluid.conjugate_gradients import ConjugateGradients, Pressures, Solution
 from sim.fluid.incompressible import Incompressible, kick
 from sim.fluid.projection import Projection
 from sim.fluid.solids import remember_way
 from sim.fluid.system import FluidSystem
+
+FAR = 0.15
+"""Of a spacing: pressures that push a particle further are followed by a second look where it would go."""
 
 
 class Iisph(Incompressible):
@@ -17,6 +26,7 @@ class Iisph(Incompressible):
     ARRAYS: ClassVar[tuple[Declared, ...]] = (
         *projection.ARRAYS,
         Declared("pressed", "vec4", "way by pressure in the last step [m]; w: q that acted after it", saved=False),
+        Declared("corrected", "vec4", "the second look's share of that way [m]; w: its share of q", saved=False),
     )
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
@@ -28,11 +38,37 @@ class Iisph(Incompressible):
         self.projection.prepare(dt)
 
     def press(self, dt: float) -> dict[str, float]:
+        solution = self._push(dt, self.settings.min_iterations, Pressures.FOLLOWED)
+        iterations, capped = solution.iterations, solution.capped
+        particles, with_samples = self.system.particles, self.system.boundary.count > 0
+        if with_samples:
+            remember_way(self.system.count, dt, particles.kept, particles.pressed)
+            particles.corrected.fill(0.0)
+        if solution.way > FAR * self.system.spec.spacing:
+            solution = self._push(dt, 0, Pressures.RAISED)
+            iterations, capped = iterations + solution.iterations, solution.capped
+            if with_samples and solution.iterations:
+                _remember_correction(
+                    self.system.count, dt, particles.kept, particles.search, particles.pressed, particles.corrected
+                )
+        return {"pressure_iterations": iterations, "capped": capped}
+
+    def _push(self, dt: float, fewest: int, pressures: Pressures) -> Solution:
+        """Add to velocities what keeps densities at rest density after the step, as far as they do not yet."""
         system, settings = self.system, self.settings
         self.projection.predict(dt)
         tolerance = settings.density_error * system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
-        kick(system.count, dt, system.particles.velocity, system.particles.kept)
-        if system.boundary.count:
-            remember_way(system.count, dt, system.particles.kept, system.particles.pressed)
-        return {"pressure_iterations": solution.iterations, "capped": solution.capped}
+        solution = self.gradients.solve(dt, tolerance, fewest, settings.max_iterations, pressures)
+        if solution.iterations:
+            kick(system.count, dt, system.particles.velocity, system.particles.kept)
+        return solution
+
+
+@ti.kernel
+def _remember_correction(
+    count: ti.i32, dt: real, push: Vec4Array, search: Vec4Array, pressed: Vec4Array, corrected: Vec4Array
+):
+    for i in range(count):
+        way = dt * dt * push[i].xyz
+        pressed[i].xyz += way
+        corrected[i] = vec4(way, search[i].x)

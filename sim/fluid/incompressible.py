@@ -12,7 +12,7 @@ from sim.fluid.momentum import Momentum
 from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
 
-WORST = 0.05
+WORST = 0.1
 """No particle may be left compressed by more than this share, whatever the mean."""
 
 
