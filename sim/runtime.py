@@ -7,6 +7,8 @@ import io
 import os
 import sys
 
+from sim.affinity import bound
+
 _running: tuple[str, int] | None = None
 
 
@@ -32,16 +34,17 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
         device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
         wanted = device, threads or os.cpu_count() or 1
         if wanted != _running:
-            ti.init(
-                arch=ti.cuda if device == "cuda" else ti.cpu,
-                cpu_max_num_threads=wanted[1],
-                default_fp=ti.f64 if precision.chosen == "double" else ti.f32,
-                default_ip=ti.i32,
-                fast_math=True,
-                offline_cache=True,
-                offline_cache_cleaning_policy="lru",
-                log_level=ti.ERROR,
-            )
+            with bound(wanted[1]):
+                ti.init(
+                    arch=ti.cuda if device == "cuda" else ti.cpu,
+                    cpu_max_num_threads=wanted[1],
+                    default_fp=ti.f64 if precision.chosen == "double" else ti.f32,
+                    default_ip=ti.i32,
+                    fast_math=True,
+                    offline_cache=True,
+                    offline_cache_cleaning_policy="lru",
+                    log_level=ti.ERROR,
+                )
             _running = wanted
     return device
 

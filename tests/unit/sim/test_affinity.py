@@ -1,0 +1,37 @@
+"""Threads are bound to processors only where a run has all of them."""
+
+from __future__ import annotations
+
+import os
+import threading
+
+import pytest
+
+from sim.affinity import bound
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="threads can not be bound here")
+ALL = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+def affinities(threads: int) -> list[set[int]]:
+    """Of as many threads as there are processors, started within."""
+    done = threading.Event()
+    started = [threading.Thread(target=done.wait) for _ in ALL]
+    try:
+        with bound(threads):
+            for thread in started:
+                thread.start()
+        return [os.sched_getaffinity(thread.native_id) for thread in started]
+    finally:
+        done.set()
+
+
+@pytest.mark.skipif(len(ALL) < 2, reason="one processor")
+def test_each_thread_has_a_processor_where_there_are_as_many():
+    assert sorted(affinities(len(ALL)), key=min) == [{processor} for processor in ALL]
+    assert os.sched_getaffinity(0) == set(ALL)
+
+
+@pytest.mark.parametrize("threads", [1, len(ALL) + 1])
+def test_threads_are_free_where_others_share_the_machine(threads):
+    assert affinities(threads) == [set(ALL)] * len(ALL)
