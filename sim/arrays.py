@@ -58,10 +58,11 @@ class Particles:
 
     def _allocate(self) -> None:
         self._spare: dict[str, ti.Ndarray] = {}
+        """One array of each element beside those declared, to sort into: what is sorted from is the next."""
         for field in self.declared:
             setattr(self, field.name, self._array(field))
-            if field.sorted:
-                self._spare[field.name] = self._array(field)
+            if field.sorted and field.element not in self._spare:
+                self._spare[field.element] = self._array(field)
 
     def _array(self, field: Declared) -> ti.Ndarray:
         array = ti.ndarray(_ELEMENTS[field.element][0], self.capacity)
@@ -73,10 +74,10 @@ class Particles:
         self.count = self.count if count is None else count
         for field in self.declared:
             if field.sorted:
-                source, target = getattr(self, field.name), self._spare[field.name]
+                source, target = getattr(self, field.name), self._spare[field.element]
                 _GATHER[field.element](self.count, order, source, target)
                 setattr(self, field.name, target)
-                self._spare[field.name] = source
+                self._spare[field.element] = source
 
     def state(self) -> dict[str, np.ndarray]:
         """Copies of the saved arrays by name."""
@@ -113,11 +114,9 @@ class Particles:
 
     @property
     def bytes(self) -> int:
-        per_particle = sum(
-            np.dtype(_ELEMENTS[field.element][1]).itemsize * _ELEMENTS[field.element][2] * (2 if field.sorted else 1)
-            for field in self.declared
-        )
-        return per_particle * self.capacity
+        elements = [field.element for field in self.declared] + list(self._spare)
+        kinds = [_ELEMENTS[element][1:] for element in elements]
+        return sum(np.dtype(kind).itemsize * width for kind, width in kinds) * self.capacity
 
 
 @ti.kernel

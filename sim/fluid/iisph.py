@@ -23,8 +23,8 @@ FAR = 0.15
 class Iisph(Incompressible):
     """Advances a FluidSystem."""
 
-    ARRAYS: ClassVar[tuple[Declared, ...]] = (
-        *projection.ARRAYS,
+    ARRAYS = projection.ARRAYS
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Declared("pressed", "vec4", "way by pressure in the last step [m]; w: q that acted after it", saved=False),
         Declared("corrected", "vec4", "the second look's share of that way [m]; w: its share of q", saved=False),
     )

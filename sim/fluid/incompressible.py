@@ -20,6 +20,8 @@ class Incompressible:
     """Advances a FluidSystem: forces, pressures, motion. A solver says what it measures, and finds the pressures."""
 
     ARRAYS: ClassVar[tuple[Declared, ...]]
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]]
+    """What is kept besides where solids have samples, for the force on them."""
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""

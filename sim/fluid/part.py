@@ -147,6 +147,8 @@ class FluidPart:
         signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
         implicit = viscosity_is_implicit(fluid, gravity, signal)
         arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
+        if boundary.count:
+            arrays += solver.SAMPLE_ARRAYS
         self.system = FluidSystem(fluid, gravity, walls, boundary, arrays, solver.SKIN, implicit)
         self.system.load(vars(state))
         self.solver = solver(self.system, self.fastest_signal)

@@ -38,6 +38,8 @@ class Pcisph(Incompressible):
             "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
         ),
         Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]", sorted=False, saved=False),
+    )
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Declared("pressed", "vec4", "way by pressure in the last step [m]", saved=False),
     )
 

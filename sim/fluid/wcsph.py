@@ -25,6 +25,7 @@ class Wcsph:
     """Advances a FluidSystem; `fastest_signal` is the speed of sound [m/s]."""
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = ()
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     STATISTICS: ClassVar[tuple[str, ...]] = ()
     SKIN: ClassVar[float] = 0.1
     """Sound forbids steps in which particles move far, so that a list can serve for several of them."""
