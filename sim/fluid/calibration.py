@@ -31,11 +31,13 @@ particle without neighbours passes through."""
 
 @dataclass(frozen=True)
 class Lack:
-    """What the outermost layer of a lattice lacks: a share of the density, and of the force [1/m]; and the share of the
-    density that is beyond both walls for the layer along an edge."""
+    """What the outermost layer of a lattice lacks: a share of the density, of the force [1/m], and of the sum that
+    makes accelerations of differences of pressure along the wall; and the share of the density that is beyond both
+    walls for the layer along an edge."""
 
     density: float
     force: float
+    along: float
     edge: float
 
 
@@ -45,11 +47,14 @@ def lack(spacing: float, h: float) -> Lack:
     r = np.linalg.norm(points, axis=1)
     total = cubic_host(r, h).sum()
     beyond = points[:, 1] < -spacing / 2
-    slope = cubic_slope_host(r[beyond], h) * points[beyond, 1]
+    slopes = cubic_slope_host(r, h)
+    slope = slopes[beyond] * points[beyond, 1]
+    along = slopes * points[:, 0] ** 2
     beyond_both = beyond & (points[:, 0] < -spacing / 2)
     return Lack(
         float(cubic_host(r[beyond], h).sum() / total),
         float(slope.sum() / total),
+        float(along[beyond].sum() / along.sum()),
         float(cubic_host(r[beyond_both], h).sum() / total),
     )
 
@@ -58,12 +63,14 @@ def lack(spacing: float, h: float) -> Lack:
 class Wall:
     """A half-space: `distance` [m] of the outermost layer at rest, and the `weight` of its volume.
 
-    Two that add the shares u1 and u2 to a density have in common u1 u2 / ((overlap + u1) (overlap + u2)).
+    `along`: of what is beyond the wall, the share that counts for accelerations along it. Two that add the shares u1
+    and u2 to a density have in common u1 u2 / ((overlap + u1) (overlap + u2)).
     """
 
     distance: float
     weight: float
     overlap: float
+    along: float
 
 
 def calibrate_wall(spacing: float, h: float) -> Wall:
@@ -76,7 +83,8 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
         q = (low + high) / 2
         low, high = (q, high) if halfspace_volume_host(q) / halfspace_area_host(q) > ratio else (low, q)
     overlap = missing.density * (missing.edge**-0.5 - 1.0)
-    return Wall(low * h, missing.density / halfspace_volume_host(low), overlap)
+    along = missing.along / halfspace_volume_host(spacing / (2 * h))
+    return Wall(low * h, missing.density / halfspace_volume_host(low), overlap, along)
 
 
 def sample_depth(spacing: float, h: float) -> float:

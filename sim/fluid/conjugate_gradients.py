@@ -22,6 +22,7 @@ from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import span
 from sim.fluid.system import FluidSystem
+from sim.fluid.walls import along_walls
 from sim.neighbors import padded
 
 FIRST = 0.8
@@ -100,6 +101,9 @@ class ConjugateGradients:
                 particles.source,
                 system.neighbors.size,
                 system.neighbors.index,
+                system.walls.count,
+                system.walls.fit,
+                system.walls.planes,
                 self._sums,
             )
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
@@ -221,6 +225,9 @@ def _iterate(
     source: RealArray,
     size: IntArray,
     index: IntTable,
+    wall_count: ti.i32,
+    wall_fit: vec4,
+    planes: Vec4Array,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     """One iteration; returns the mean error [kg/m^3] of the pressures it arrives at, and the worst."""
@@ -236,7 +243,10 @@ def _iterate(
             position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
     for i in range(count):
         a = pressure_sum(i, position, size, index, inverse_h)
-        push[i].xyz = strength * a - position[i].w * solid[i].xyz
+        a = strength * a - position[i].w * solid[i].xyz
+        if solid[i].w > 0.0:
+            a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
+        push[i].xyz = a
     for row in range(rows):
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         within = span(row, rows, count)

@@ -1,6 +1,6 @@
 """Accelerations of particles by all forces that are given by positions and velocities.
 
-a_i = -sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij                                  Monaghan 1992, eq. 3.3
+a_i = -B_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij           Monaghan 1992, eq. 3.3; B in `sim.fluid.walls`
     + 2 (dim + 2) nu sum_j m 2/(rho_i + rho_j) (v_ij.x_ij)/(x_ij^2 + 0.01 h^2) grad W_ij      Monaghan 2005, eq. 4.27
     - kappa sum_j x_ij W(max(x_ij, d)) + g                                     Becker & Teschner 2007, eq. 15
 Solids add the derivative of what they add to the density (Akinci et al. 2012, eq. 9), and friction
@@ -9,14 +9,14 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec2, vec3
+from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.added import load_forces
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
 from sim.fluid.kernel import cubic, cubic_slope
 from sim.fluid.limits import capillary_limit, viscosity_limit
 from sim.fluid.system import FluidSystem
-from sim.fluid.walls import wall_damping, wall_share
+from sim.fluid.walls import along_walls, wall_damping, wall_share
 from sim.neighbors import padded
 
 
@@ -109,7 +109,7 @@ def _accelerate(
     has_motion: ti.template(),
     sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     wall_setback: real,
     planes: Vec4Array,
     has_pressure: ti.template(),
@@ -132,7 +132,7 @@ def _accelerate(
     closest = spacing * inverse_h
     for i in range(count):
         x, v = position[i], velocity[i]
-        a, pull = vec3(0.0), vec3(0.0)
+        push, rub, pull = vec3(0.0), vec3(0.0), vec3(0.0)
         if ti.static(has_pressure or has_viscosity or has_artificial or has_cohesion):
             for k in range(padded(size[i])):
                 j = index[i, k]
@@ -140,9 +140,9 @@ def _accelerate(
                 d = x.xyz - xj.xyz
                 r2 = d.dot(d)
                 q = ti.sqrt(r2) * inverse_h
-                along = ti.cast(0.0, real)
+                slope = cubic_slope(q)
                 if ti.static(has_pressure):
-                    along -= x.w + xj.w
+                    push -= (x.w + xj.w) * slope * d
                 if ti.static(has_viscosity or has_artificial):
                     vj = velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
@@ -151,11 +151,11 @@ def _accelerate(
                         friction += viscous(approach, viscosity)
                     if ti.static(has_artificial):
                         friction += artificial(approach, artificial_strength)
-                    along += 2.0 * friction / ((v.w + vj.w) * (r2 + softening))
-                a += along * cubic_slope(q) * d
+                    rub += 2.0 * friction / ((v.w + vj.w) * (r2 + softening)) * slope * d
                 if ti.static(has_cohesion):
                     pull -= cubic(ti.max(q, closest)) * d
-        a = mass * slope_norm * a + cohesion * norm * pull
+        push *= mass * slope_norm
+        a = mass * slope_norm * rub + cohesion * norm * pull
         if ti.static(has_boundary and (has_pressure or has_grip or has_damping)):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
@@ -164,18 +164,21 @@ def _accelerate(
                 relative = v.xyz
                 if ti.static(has_motion):
                     relative -= sample_velocity[sample_index[i, k]].xyz
-                along = ti.cast(0.0, real)
-                if ti.static(has_pressure):
-                    along -= x.w
-                if ti.static(has_damping):
-                    along += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening))
                 strength = rest_density * slope_norm * b.w
-                a += strength * along * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+                gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+                if ti.static(has_pressure):
+                    push -= x.w * gradient
+                if ti.static(has_damping):
+                    a += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
                 if ti.static(has_grip):
                     friction = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
                     a += strength / v.w * friction
         if ti.static(has_pressure):
-            a -= x.w * rest_density * wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h).xyz
+            walls = wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h)
+            push -= x.w * rest_density * walls.xyz
+            if walls.w > 0.0:
+                push = along_walls(x.xyz, push, wall_count, wall_fit, planes, inverse_h)
+            a += push
         if ti.static(has_damping):
             strength = damping_strength * rest_density * wall_fit.x / v.w
             a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)

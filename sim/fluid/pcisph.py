@@ -16,13 +16,14 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec2, vec4
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec4
 from sim.fluid.forces import pressure_sum
 from sim.fluid.incompressible import WORST, Incompressible, kick
 from sim.fluid.kernel import cubic, cubic_slope_host, lattice
 from sim.fluid.solids import remember_way, solid_share
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
+from sim.fluid.walls import along_walls
 from sim.neighbors import itself, padded
 
 RELAXATION = 0.5
@@ -106,6 +107,9 @@ class Pcisph(Incompressible):
             particles.solid,
             system.neighbors.size,
             system.neighbors.index,
+            system.walls.count,
+            system.walls.fit,
+            system.walls.planes,
         )
 
 
@@ -144,7 +148,7 @@ def _compress(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     planes: Vec4Array,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
@@ -195,6 +199,9 @@ def _raise(
     solid: Vec4Array,
     size: IntArray,
     index: IntTable,
+    wall_count: ti.i32,
+    wall_fit: vec4,
+    planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
     strength = mass * 8.0 / ti.math.pi * inverse_h**5
@@ -203,4 +210,7 @@ def _raise(
         position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
     for i in range(count):
         a = pressure_sum(i, position, size, index, inverse_h)
-        push[i].xyz = strength * a - position[i].w * solid[i].xyz
+        a = strength * a - position[i].w * solid[i].xyz
+        if solid[i].xyz.any():
+            a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
+        push[i].xyz = a

@@ -1,10 +1,11 @@
 """The pressures that keep a fluid from being compressed, for every solver that looks for them.
 
 With q = p / rho^2, pressures accelerate particles by
-    a_i(q) = -sum_j m (q_i + q_j) grad W_ij - q_i G_i,
-where G_i is the gradient of what the solids add to the density of particle i. Over a step dt that changes densities by
+    a_i(q) = B_i [-sum_j m (q_i + q_j) grad W_ij - q_i G_i],
+where G_i is the gradient of what the solids add to the density of particle i, and B_i makes good along plane walls what
+it lacks (`sim.fluid.walls.along_walls`). Over a step dt that changes densities by
     dt^2 (L q)_i = dt^2 [sum_j m (a_i - a_j).grad W_ij + a_i.G_i].
-L is symmetric and negative semidefinite; its diagonal is -D_i, with
+L is symmetric and negative semidefinite; away from walls its diagonal is -D_i, with
     D_i = |sum_j m grad W_ij + G_i|^2 + sum_j m^2 |grad W_ij|^2.
 Wanted is q >= 0 with r = s + dt^2 L q <= 0, and r = 0 where q > 0, for a predicted compression s [kg/m^3]: the
 minimum over q >= 0 of the energy dt^2 q.(-L q) / 2 - s.q. This module gives s, D and G; `sim.fluid.conjugate_gradients`
@@ -16,7 +17,7 @@ Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
+from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
@@ -129,7 +130,7 @@ def _prepare(
     has_motion: ti.template(),
     sample_velocity: Vec4Array,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h
@@ -189,7 +190,7 @@ def _predict(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.arrays import IntTable, Vec4Array, real, vec2, vec3, vec4
+from sim.arrays import IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope
 from sim.fluid.walls import wall_share
 
@@ -15,7 +15,7 @@ def solid_share(
     sample_index: IntTable,
     samples: Vec4Array,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     planes: Vec4Array,
     inverse_h: real,
     has_boundary: ti.template(),

@@ -7,7 +7,7 @@ alone. Where walls meet, what they have in common counts once; that share is cal
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Vec4Array, numpy_real, real, vec2, vec3, vec4
+from sim.arrays import Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
@@ -21,9 +21,9 @@ class Walls:
 
     def __init__(self, planes: np.ndarray, spacing: float, h: float):
         calibrated = calibrate_wall(spacing, h)
-        self.fit = vec2(calibrated.weight, calibrated.overlap)
-        """Weight and overlap of the walls, as `sim.fluid.calibration.Wall` has them."""
         self.setback = calibrated.distance - spacing / 2
+        self.fit = vec4(calibrated.weight, calibrated.overlap, calibrated.along, self.setback / h)
+        """Of the walls: weight, overlap and `along`, as `sim.fluid.calibration.Wall` has them, and setback over h."""
         self.count = len(planes)
         self.planes = ti.ndarray(vec4, max(self.count, 1))
         if self.count:
@@ -32,7 +32,7 @@ class Walls:
 
 
 @ti.func
-def wall_share(x: vec3, count: ti.i32, fit: vec2, planes: Vec4Array, inverse_h: real) -> vec4:
+def wall_share(x: vec3, count: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real) -> vec4:
     """What the walls add to the density at x, over rest density, in w, and its gradient with respect to x [1/m]."""
     weight, overlap = fit.x, fit.y
     share, void = ti.cast(0.0, real), ti.cast(1.0, real)
@@ -49,6 +49,24 @@ def wall_share(x: vec3, count: ti.i32, fit: vec2, planes: Vec4Array, inverse_h: 
             void_gradient = left * void_gradient - void * left * left / overlap * slope
             void *= left
     return vec4(gradient - void_gradient, share + 1.0 - void)
+
+
+@ti.func
+def along_walls(x: vec3, a: vec3, count: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real) -> vec3:
+    """B a: the acceleration by pressure as it would be, were there fluid beyond the walls too.
+
+    Across a wall that is what its own force is for. Along it a particle has fewer neighbours than elsewhere to be
+    pushed by: of sum_j x (dW/dx) / r dV, integrated by parts, what lies beyond the wall is missing, V. Taken half
+    from the first wall to the last and half back again, B is symmetric however walls meet.
+    """
+    pushed = a
+    for k in range(2 * count):
+        plane = planes[ti.min(k, 2 * count - 1 - k)]
+        q = ti.max((plane.xyz.dot(x) - plane.w) * inverse_h - fit.w, 0.0)
+        if q < 1.0:
+            factor = 1.0 / ti.sqrt(1.0 - fit.z * halfspace_volume(q))
+            pushed = factor * pushed + (1.0 - factor) * plane.xyz.dot(pushed) * plane.xyz
+    return pushed
 
 
 @ti.func

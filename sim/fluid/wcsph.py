@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec2
+from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec4
 from sim.fluid.kernel import cubic
 from sim.fluid.limits import force_limit
 from sim.fluid.mixing import Mixing
@@ -120,7 +120,7 @@ def _density(
     sample_size: IntArray,
     sample_index: IntTable,
     wall_count: ti.i32,
-    wall_fit: vec2,
+    wall_fit: vec4,
     planes: Vec4Array,
 ):
     inverse_h = 1.0 / h

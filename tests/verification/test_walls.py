@@ -1,5 +1,5 @@
-"""Where plane walls meet: a lattice of particles in an edge or a corner lies at rest density, and gradients are those
-of the density."""
+"""Where plane walls are, and meet: a lattice of particles lies at rest density, gradients are those of the density, and
+what differs along a wall pushes as it does elsewhere."""
 
 import itertools
 
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.fluid.calibration import lack
-from sim.fluid.kernel import cubic_host, lattice
+from sim.fluid.kernel import cubic_host, cubic_slope_host, lattice
 
 SPACING, H = 0.01, 0.02
 WALLS = np.hstack((np.eye(3), np.zeros((3, 1))))
@@ -19,11 +19,11 @@ def share(taichi):
     """What walls add at points [m], shape [n, 3]: gradient [1/m] and share of the rest density, shape [n, 4]."""
     import taichi as ti
 
-    from sim.arrays import Vec4Array, numpy_real, real, vec2, vec4
+    from sim.arrays import Vec4Array, numpy_real, real, vec4
     from sim.fluid.walls import Walls, wall_share
 
     @ti.kernel
-    def ask(count: ti.i32, x: Vec4Array, walls: ti.i32, fit: vec2, planes: Vec4Array, inverse_h: real, out: Vec4Array):
+    def ask(count: ti.i32, x: Vec4Array, walls: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real, out: Vec4Array):
         for i in range(count):
             out[i] = wall_share(x[i].xyz, walls, fit, planes, inverse_h)
 
@@ -61,3 +61,50 @@ def test_the_gradient_is_that_of_the_share(share, meeting):
         behind[:, axis] -= step
         difference = share(ahead, WALLS[:meeting])[:, 3] - share(behind, WALLS[:meeting])[:, 3]
         np.testing.assert_allclose(difference / (2 * step), exact[:, axis], atol=1e-3 * np.abs(exact).max())
+
+
+@pytest.fixture
+def made_good(taichi):
+    """B a for accelerations [m/s^2] at points [m], both of shape [n, 3]."""
+    import taichi as ti
+
+    from sim.arrays import Vec4Array, numpy_real, real, vec4
+    from sim.fluid.walls import Walls, along_walls
+
+    @ti.kernel
+    def ask(count: ti.i32, x: Vec4Array, walls: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real, a: Vec4Array):
+        for i in range(count):
+            a[i].xyz = along_walls(x[i].xyz, a[i].xyz, walls, fit, planes, inverse_h)
+
+    def at(points, accelerations, planes):
+        walls, count = Walls(planes, SPACING, H), len(points)
+        x, a = ti.ndarray(vec4, count), ti.ndarray(vec4, count)
+        x.from_numpy(np.column_stack((points, np.zeros(count))).astype(numpy_real))
+        a.from_numpy(np.column_stack((accelerations, np.zeros(count))).astype(numpy_real))
+        ask(count, x, walls.count, walls.fit, walls.planes, 1 / H, a)
+        return a.to_numpy()[:, :3]
+
+    return at
+
+
+@pytest.mark.parametrize("meeting", [1, 2])
+def test_a_pressure_gradient_along_walls_accelerates_all_alike(made_good, meeting):
+    """-sum_j (q_i + q_j) grad W for q = z, in the layers next to the walls and inside."""
+    axis = (np.arange(4) + 0.5) * SPACING
+    points = np.array(list(itertools.product(axis, repeat=3)))
+    around = lattice(SPACING, H)
+    pull = -cubic_slope_host(np.linalg.norm(around, axis=1), H) * around[:, 2] ** 2
+    there = np.all((points[:, None, :meeting] + around[None, :, :meeting]) > 0, axis=2)
+    lacking = np.zeros_like(points)
+    lacking[:, 2] = there @ pull / pull.sum()
+    assert lacking[:, 2].min() < 0.86
+    # Only the first layer is calibrated, and what two walls have in common is the product of what they are alone.
+    np.testing.assert_allclose(made_good(points, lacking, WALLS[:meeting])[:, 2], 1.0, atol=0.01)
+
+
+def test_what_is_made_good_is_symmetric_between_walls_at_any_angle(made_good):
+    planes = np.array([[0, 1, 0, 0], [np.sin(0.7), np.cos(0.7), 0, 0.001], [0.48, 0.6, 0.64, 0]])
+    at = np.full((3, 3), 0.4 * SPACING)
+    matrix = made_good(at, np.eye(3), planes)
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-6)
+    assert np.linalg.eigvalsh(matrix).min() >= 1 - 1e-6
