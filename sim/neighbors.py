@@ -270,10 +270,10 @@ def _build(
                         for j in range(begin, end):
                             d = x - other[j].xyz
                             index[i, found] = j
-                            if ti.static(same):
-                                found += ti.cast(d.dot(d) < radius * radius, ti.i32) & ti.cast(j != i, ti.i32)
-                            else:
-                                found += ti.cast(d.dot(d) < radius * radius, ti.i32)
+                            near = ti.cast(d.dot(d) < radius * radius, ti.i32)
+                            if ti.static(same and dy == 0 and dz == 0):
+                                near &= ti.cast(j != i, ti.i32)
+                            found += near
         size[i] = found
         if ti.static(same) and found + LANES <= capacity:
             for k in range(found, padded(found)):
