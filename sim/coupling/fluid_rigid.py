@@ -11,6 +11,7 @@ from sim.fluid.calibration import SAMPLE_DEPTH
 from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
 from sim.fluid.system import FluidSystem
+from sim.fluid.walls import along_walls_host
 from sim.geometry.distance import MeshDistance
 from sim.geometry.edges import behind_edges
 from sim.geometry.offset import inset
@@ -159,18 +160,20 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
     if hasattr(system.particles, "pressed"):
         pressed = system.particles.numpy("pressed").astype(np.float64)
         pressure = pressed[:, 3]
-    along = -pressure[pairs.row]
+    slope = cubic_slope_host(r, system.h)
+    strength = system.mass * system.spec.rest_density * volumes[pairs.col]
+    push = (strength * pressure[pairs.row] * slope)[:, None] * d
+    force = along_walls_host(position[pairs.row, :3], push, system.walls, system.h)
     damping = system.wall_damping * system.h / 2 * np.minimum(approach, 0.0)
-    along += damping / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
+    along = damping / (r**2 + 0.01 * system.h**2) / velocity[pairs.row, 3]
     grip = find_grip(system.spec)
     friction = grip.samples * sample_friction_host(r, approach, grip.nearest, system.h) / velocity[pairs.row, 3]
-    along = along * cubic_slope_host(r, system.h) + friction
+    along = along * slope + friction
     if system.spec.adhesion > 0:
         from sim.fluid.adhesion import adhesion_host, adhesion_strengths
 
         along -= adhesion_strengths(system)[0] * adhesion_host(r / system.h) / r / system.spec.rest_density
-    strength = system.mass * system.spec.rest_density * volumes[pairs.col] * along
-    force = -strength[:, None] * d
+    force = force - (strength * along)[:, None] * d
     torque = np.cross(samples[pairs.col] - centre, force)
     total, turning = force.sum(axis=0), torque.sum(axis=0)
     for pushing, way in _pushes(system, position, pressed):
@@ -178,8 +181,9 @@ def reaction(system: FluidSystem, owner: int, centre: np.ndarray) -> tuple[np.nd
         before = position[:, :3] - way
         pairs = cKDTree(before).sparse_distance_matrix(tree, system.h, output_type="coo_matrix")
         d = before[pairs.row] - samples[pairs.col]
-        along = -pushing[pairs.row] * cubic_slope_host(np.linalg.norm(d, axis=1), system.h)
-        force = -(system.mass * system.spec.rest_density * volumes[pairs.col] * along)[:, None] * d
+        along = pushing[pairs.row] * cubic_slope_host(np.linalg.norm(d, axis=1), system.h)
+        push = (system.mass * system.spec.rest_density * volumes[pairs.col] * along)[:, None] * d
+        force = along_walls_host(before[pairs.row], push, system.walls, system.h)
         total = total + force.sum(axis=0)
         turning = turning + np.cross(samples[pairs.col] - centre, force).sum(axis=0)
     return total, turning

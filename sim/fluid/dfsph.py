@@ -30,6 +30,7 @@ class Dfsph(Iisph):
         if solution.iterations:
             kick(self.system.count, dt, particles.velocity, particles.kept)
             self.system.lead()
+            self.examine(dt)
             if self.system.boundary.count:
                 _remember(self.system.count, particles.search, particles.pressed)
         told["divergence_iterations"] = solution.iterations

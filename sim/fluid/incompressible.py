@@ -25,10 +25,12 @@ class Incompressible:
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""
+    FINDS_FRICTION: ClassVar[bool] = False
+    """Whether `examine` leaves the viscous forces between particles in push."""
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
-        self.momentum = Momentum(system, pressure=False)
+        self.momentum = Momentum(system, pressure=False, friction_known=self.FINDS_FRICTION)
         self.mixing = Mixing(system)
 
     @property

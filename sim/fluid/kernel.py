@@ -71,14 +71,12 @@ def halfspace_area_host(q: float) -> float:
     return 1.4 + s * s * (-8.0 + s * s * (24.0 - 19.2 * s)) if s < 0.5 else u**4 * (8.0 - 6.4 * u)
 
 
-def halfspace_volume_host(q: float) -> float:
+def halfspace_volume_host(q: np.ndarray) -> np.ndarray:
     """`halfspace_volume` on the host, in double precision."""
-    s = min(abs(q), 1.0)
-    if s < 0.5:
-        volume = 0.5 - s * (1.4 + s * s * (-8.0 / 3.0 + s * s * (4.8 - 3.2 * s)))
-    else:
-        volume = (1.0 - s) ** 5 * (1.6 - 16.0 / 15.0 * (1.0 - s))
-    return 1.0 - volume if q < 0 else volume
+    s = np.minimum(np.abs(q), 1.0)
+    near = 0.5 - s * (1.4 + s * s * (-8.0 / 3.0 + s * s * (4.8 - 3.2 * s)))
+    volume = np.where(s < 0.5, near, (1.0 - s) ** 5 * (1.6 - 16.0 / 15.0 * (1.0 - s)))
+    return np.where(np.asarray(q) < 0, 1.0 - volume, volume)
 
 
 def lattice(spacing: float, h: float) -> np.ndarray:

@@ -24,16 +24,26 @@ class Momentum:
     """The forces that a specification asks for; what is zero is not compiled.
 
     pressure: whether pressures are known from the positions. artificial, damping: artificial viscosity between
-    particles and against solids, alpha c h / 2 [m^2/s].
+    particles and against solids, alpha c h / 2 [m^2/s]. friction_known: the viscous forces between particles are in
+    push, where the solver has found them beside densities.
     """
 
-    def __init__(self, system: FluidSystem, *, pressure: bool, artificial: float = 0.0, damping: float = 0.0):
+    def __init__(
+        self,
+        system: FluidSystem,
+        *,
+        pressure: bool,
+        artificial: float = 0.0,
+        damping: float = 0.0,
+        friction_known: bool = False,
+    ):
         spec = system.spec
         self.system = system
         self.pressure = pressure
         self.artificial = artificial
         self.damping = damping
         self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
+        self.friction_known = friction_known and self.viscosity > 0
         solids = system.walls.count > 0 or system.boundary.count > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
@@ -73,7 +83,9 @@ class Momentum:
             walls.setback,
             walls.planes,
             self.pressure,
-            self.viscosity > 0,
+            self.friction_known,
+            particles.push if self.friction_known else particles.acceleration,
+            self.viscosity > 0 and not self.friction_known,
             self.viscosity,
             self.grip.walls > 0,
             self.grip.samples,
@@ -113,6 +125,8 @@ def _accelerate(
     wall_setback: real,
     planes: Vec4Array,
     has_pressure: ti.template(),
+    has_friction: ti.template(),
+    friction: Vec4Array,
     has_viscosity: ti.template(),
     viscosity: real,
     has_grip: ti.template(),
@@ -146,16 +160,18 @@ def _accelerate(
                 if ti.static(has_viscosity or has_artificial):
                     vj = velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
-                    friction = ti.cast(0.0, real)
+                    strength = ti.cast(0.0, real)
                     if ti.static(has_viscosity):
-                        friction += viscous(approach, viscosity)
+                        strength += viscous(approach, viscosity)
                     if ti.static(has_artificial):
-                        friction += artificial(approach, artificial_strength)
-                    rub += 2.0 * friction / ((v.w + vj.w) * (r2 + softening)) * slope * d
+                        strength += artificial(approach, artificial_strength)
+                    rub += 2.0 * strength / ((v.w + vj.w) * (r2 + softening)) * slope * d
                 if ti.static(has_cohesion):
                     pull -= cubic(ti.max(q, closest)) * d
         push *= mass * slope_norm
         a = mass * slope_norm * rub + cohesion * norm * pull
+        if ti.static(has_friction):
+            a += friction[i].xyz
         if ti.static(has_boundary and (has_pressure or has_grip or has_damping)):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
@@ -171,8 +187,8 @@ def _accelerate(
                 if ti.static(has_damping):
                     a += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
                 if ti.static(has_grip):
-                    friction = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
-                    a += strength / v.w * friction
+                    grip = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
+                    a += strength / v.w * grip
         if ti.static(has_pressure):
             walls = wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h)
             push -= x.w * rest_density * walls.xyz
@@ -183,6 +199,6 @@ def _accelerate(
             strength = damping_strength * rest_density * wall_fit.x / v.w
             a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
         if ti.static(has_grip):
-            friction = wall_friction(x.xyz, v.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
-            a += viscosity * rest_density / v.w * friction
+            grip = wall_friction(x.xyz, v.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
+            a += viscosity * rest_density / v.w * grip
         acceleration[i].xyz = a + gravity

@@ -18,13 +18,20 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import approach, solid_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import itself, padded
 
 ARRAYS = (
-    Declared("push", "vec4", "acceleration by pressure [m/s^2]; w: s + dt^2 L q [kg/m^3]", sorted=False, saved=False),
+    Declared(
+        "push",
+        "vec4",
+        "acceleration by pressure [m/s^2], or between steps by friction; w: s + dt^2 L q [kg/m^3]",
+        sorted=False,
+        saved=False,
+    ),
     Declared("kept", "vec4", "as push, of the best pressures found", sorted=False, saved=False),
     Declared(
         "search",
@@ -45,10 +52,14 @@ FEWEST_NEIGHBORS = 20
 
 
 class Projection:
-    """The equations for the particles of a system; its arrays are those declared in ARRAYS."""
+    """The equations for the particles of a system; its arrays are those declared in ARRAYS.
 
-    def __init__(self, system: FluidSystem):
+    viscosity: of the friction between particles that is found beside them [m^2/s].
+    """
+
+    def __init__(self, system: FluidSystem, viscosity: float):
         self.system = system
+        self.viscosity = viscosity
         h, mass = system.h, system.mass
         points = lattice(system.spec.spacing, h)
         r = np.linalg.norm(points, axis=1)
@@ -56,9 +67,10 @@ class Projection:
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
     def prepare(self, dt: float) -> None:
-        """Densities, D, G, and as source the compression in `dt` by the present velocities.
+        """Densities, D, G, as source the compression in `dt` by the present velocities, and in push their friction.
 
-        The velocities of particles with few neighbours are not compressed by any pressure of their own.
+        The velocities of particles with few neighbours are not compressed by any pressure of their own. Friction is
+        that of `sim.fluid.momentum`, for pairs at rest density.
         """
         system = self.system
         particles, boundary, walls = system.particles, system.boundary, system.walls
@@ -75,6 +87,9 @@ class Projection:
             particles.solid,
             particles.diagonal,
             particles.source,
+            self.viscosity > 0,
+            self.viscosity,
+            particles.push,
             *system.lists,
             boundary.moves,
             boundary.velocity,
@@ -121,6 +136,9 @@ def _prepare(
     solid: Vec4Array,
     diagonal: RealArray,
     source: RealArray,
+    has_viscosity: ti.template(),
+    viscosity: real,
+    push: Vec4Array,
     size: IntArray,
     index: IntTable,
     has_boundary: ti.template(),
@@ -136,10 +154,11 @@ def _prepare(
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
     slope_norm = norm * inverse_h * inverse_h
+    softening = SOFTENING * h * h
     for i in range(count):
         x, v = position[i].xyz, velocity[i].xyz
         near, squares, rate = ti.cast(0.0, real), ti.cast(0.0, real), ti.cast(0.0, real)
-        along = vec3(0.0)
+        along, rub = vec3(0.0), vec3(0.0)
         for k in range(padded(size[i])):
             j = index[i, k]
             d = x - position[j].xyz
@@ -149,7 +168,12 @@ def _prepare(
             near += cubic(q)
             squares += slope * slope * r2
             along += slope * d
-            rate += slope * d.dot(v - velocity[j].xyz)
+            parting = d.dot(v - velocity[j].xyz)
+            rate += slope * parting
+            if ti.static(has_viscosity):
+                rub += viscous(parting, viscosity) / (r2 + softening) * slope * d
+        if ti.static(has_viscosity):
+            push[i].xyz = mass * slope_norm / rest_density * rub
         density = mass * norm * (near + itself(size[i]))
         near_solid = 0
         if ti.static(has_boundary):

@@ -9,7 +9,7 @@ import taichi as ti
 
 from sim.arrays import Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
-from sim.fluid.kernel import halfspace_area, halfspace_volume
+from sim.fluid.kernel import halfspace_area, halfspace_volume, halfspace_volume_host
 
 
 class Walls:
@@ -66,6 +66,17 @@ def along_walls(x: vec3, a: vec3, count: ti.i32, fit: vec4, planes: Vec4Array, i
         if q < 1.0:
             factor = 1.0 / ti.sqrt(1.0 - fit.z * halfspace_volume(q))
             pushed = factor * pushed + (1.0 - factor) * plane.xyz.dot(pushed) * plane.xyz
+    return pushed
+
+
+def along_walls_host(points: np.ndarray, forces: np.ndarray, walls: Walls, h: float) -> np.ndarray:
+    """`along_walls` on the host, for forces at points [m], both of shape [n, 3]."""
+    planes = walls.planes.to_numpy().astype(float)[: walls.count]
+    pushed = forces
+    for plane in (*planes, *planes[::-1]):
+        q = np.maximum((points @ plane[:3] - plane[3]) / h - walls.fit[3], 0.0)
+        factor = 1.0 / np.sqrt(1.0 - walls.fit[2] * halfspace_volume_host(q))[:, None]
+        pushed = factor * pushed + (1.0 - factor) * (pushed @ plane[:3])[:, None] * plane[:3]
     return pushed
 
 

@@ -1,8 +1,4 @@
-"""Solvers that look for pressures keep to the compression that they are asked for, in a fluid that moves.
-
-A step predicts densities to first order in the displacement, and is right where this is: asked for less than what the
-second order is, it leaves that.
-"""
+"""Solvers that look for pressures keep to the compression that they are asked for, in a fluid that moves."""
 
 from __future__ import annotations
 
@@ -39,5 +35,5 @@ def test_a_dam_break_is_compressed_no_more_than_asked(tmp_path, solver, asked):
     error = table["density_error_avg"]
     print(f"{solver}: {np.mean(error):.1e} for {asked}, {table['pressure_iterations'].mean():.1f} iterations")
     assert json.loads((out / "summary.json").read_text())["counts"]["steps_capped"] == 0
-    # Neighbours in motion part by a hundredth of their distance in a step, whose square is the second order.
-    assert np.mean(error) < asked + 1e-4
+    # Pairs that come into reach during a step are not in its lists.
+    assert np.mean(error) < 1.1 * asked
