@@ -36,4 +36,4 @@ def test_a_dam_break_is_compressed_no_more_than_asked(tmp_path, solver, asked):
     print(f"{solver}: {np.mean(error):.1e} for {asked}, {table['pressure_iterations'].mean():.1f} iterations")
     assert json.loads((out / "summary.json").read_text())["counts"]["steps_capped"] == 0
     # Pairs that come into reach during a step are not in its lists.
-    assert np.mean(error) < 1.1 * asked
+    assert np.mean(error) < 1.25 * asked
