@@ -1,7 +1,6 @@
 """Water at rest, for every pressure solver: its volume, its stillness, and the weight that its floor bears.
 
-The floor's pressure is the mean force on it over its area: the momentum balance leaves no other value, whatever the
-walls do. Probes of pressure read too much next to walls, by 0.6 spacings over the width (`test_hydrostatics.py`).
+The floor's pressure is the mean force on it over its area; what walls push along themselves must not bear any of it.
 PCISPH is not asked for columns, which its iterations do not hold up (`docs/fluids.md`).
 """
 
