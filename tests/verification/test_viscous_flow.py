@@ -86,6 +86,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     walls: two `planes`, two sheets of `samples`, only a plane below (`floor`), or also a `belt` of samples above that
     runs with 1 m/s.
     """
+    from sim.fluid import projection
     from sim.fluid.boundary import Boundary
     from sim.fluid.calibration import SAMPLE_DEPTH
     from sim.fluid.mixing import mixing_arrays
@@ -105,7 +106,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     boundary.aim(np.array([[*np.eye(3).ravel(), 0, 0, 0, 1, 0, 0, 0, 0, 0]], dtype=float))
     boundary.move()
     implicit = spec.viscosity_solver == "implicit"
-    arrays = mixing_arrays(spec, implicit)
+    arrays = projection.ARRAYS + mixing_arrays(spec, implicit)
     solid = Walls(planes, SPACING, H)
     system = FluidSystem(spec, np.array([g, 0, 0]), solid, boundary, arrays, implicit_viscosity=implicit)
     count = len(points)
@@ -122,16 +123,23 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     return system
 
 
-def flow(system, dt: float, times: list[float]):
-    """Advance in steps dt [s]; yields the time and what was told of its step at each of the times [s]."""
+def flow(system, dt: float, times: list[float], *, beside: bool = False):
+    """Advance in steps dt [s]; yields the time and what was told of its step at each of the times [s].
+
+    beside: friction between particles is found beside densities, as for `iisph` and `dfsph`.
+    """
     from sim.fluid.incompressible import kick
     from sim.fluid.mixing import Mixing
     from sim.fluid.momentum import Momentum
+    from sim.fluid.projection import Projection
 
-    momentum, mixing = Momentum(system, pressure=False), Mixing(system)
+    momentum, mixing = Momentum(system, pressure=False, friction_known=beside), Mixing(system)
+    projection = Projection(system, momentum.viscosity)
     particles, step = system.particles, 0
     for time in times:
         while (step + 0.5) * dt < time:
+            if beside:
+                projection.prepare(dt)
             momentum.accelerate()
             kick(system.count, dt, particles.velocity, particles.acceleration)
             told = mixing.mix(dt)
@@ -156,12 +164,14 @@ REDUCED = (0.05, 0.1, 0.2, 0.5)
 WALLS = ("planes", "samples")
 
 
+@pytest.mark.parametrize("beside", [False, True], ids=["alone", "beside densities"])
 @pytest.mark.parametrize("walls", WALLS)
-def test_flow_between_walls_starts_as_poiseuille_says(taichi, points, walls):
+def test_flow_between_walls_starts_as_poiseuille_says(taichi, points, walls, beside):
     """To 3 % of the peak in every layer."""
     system = channel(points, walls, G, viscosity_solver="explicit")
     middle = {}
-    for t, _ in flow(system, 0.4 * EXPLICIT_LIMIT, [reduced * GAP**2 / NU for reduced in REDUCED]):
+    times = [reduced * GAP**2 / NU for reduced in REDUCED]
+    for t, _ in flow(system, 0.4 * EXPLICIT_LIMIT, times, beside=beside):
         y, u = profile(system)
         middle[t] = poiseuille(np.array([GAP / 2]), t)[0] / PEAK
         np.testing.assert_allclose(u / PEAK, poiseuille(y, t) / PEAK, atol=0.03)
