@@ -12,7 +12,6 @@ Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm
 """
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import taichi as ti
 
@@ -34,15 +33,6 @@ ROW = 16
 GROUPS = 256
 
 
-class Pressures(IntEnum):
-    """What becomes of the pressures in position.w: they stay and those found are apart from them, they are where the
-    search begins and make room for what it finds, or they grow by what is found."""
-
-    APART = 0
-    FOLLOWED = 1
-    RAISED = 2
-
-
 @dataclass(frozen=True)
 class Solution:
     """Iterations that were made, and the longest way [m] that the pressures push a particle in the step; `capped` if
@@ -61,21 +51,22 @@ class ConjugateGradients:
         self.worst = WORST * system.spec.rest_density
         self._sums = ti.ndarray(ti.f64, (GROUPS + 1, 4))
 
-    def solve(self, dt: float, tolerance: float, fewest: int, most: int, pressures: Pressures) -> Solution:
+    def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool) -> Solution:
         """Find pressures whose accelerations, in kept, leave no more than `tolerance` [kg/m^3] of mean compression.
 
         fewest, most: iterations; with fewest = 0 none are made, and kept is not written, where nothing need be done.
+        warm: begin with the pressures in position.w and leave the new ones there; else position.w stays as it is.
         """
         system, particles = self.system, self.system.particles
         if fewest == 0:
-            mean, worst = _compression(system.count, self._rows, particles.source, self._sums)
+            mean, worst = self.compression()
             if mean <= tolerance and worst <= self.worst:
                 return Solution(0, 0.0, False)
         _begin(
             system.count,
             self._rows,
             dt,
-            pressures == Pressures.FOLLOWED,
+            warm,
             particles.position,
             particles.kept,
             particles.search,
@@ -111,7 +102,7 @@ class ConjugateGradients:
         push = _finish(
             system.count,
             dt,
-            pressures,
+            warm,
             particles.position,
             particles.kept,
             particles.search,
@@ -119,6 +110,11 @@ class ConjugateGradients:
             particles.acceleration,
         )
         return Solution(iteration, dt * dt * push, mean > tolerance or worst > self.worst)
+
+    def compression(self) -> tuple[float, float]:
+        """Mean and maximum of what is compressed without further pressure [kg/m^3]."""
+        mean, worst = _compression(self.system.count, self._rows, self.system.particles.source, self._sums)
+        return mean, worst
 
     @property
     def _rows(self) -> int:
@@ -316,24 +312,25 @@ def _iterate(
 def _finish(
     count: ti.i32,
     dt: real,
-    pressures: ti.i32,
+    warm: ti.i32,
     position: Vec4Array,
     kept: Vec4Array,
     search: Vec4Array,
     source: RealArray,
     acceleration: Vec4Array,
 ) -> real:
-    """Leave in position.w, and as L q in acceleration.w, what `Pressures` says; returns the strongest acceleration."""
+    """Leave what was found in position.w, and its L q in acceleration.w, or both as they were; L q in kept.w, too.
+
+    Returns the strongest acceleration.
+    """
     strongest = ti.cast(0.0, real)
     for i in range(count):
         ti.atomic_max(strongest, kept[i].xyz.norm_sqr())
         changed = (kept[i].w - source[i]) / (dt * dt)
-        if pressures == Pressures.FOLLOWED:
+        kept[i].w = changed
+        if warm != 0:
             position[i].w = search[i].x
             acceleration[i].w = changed
-        elif pressures == Pressures.RAISED:
-            position[i].w = search[i].z + search[i].x
-            acceleration[i].w += changed
         else:
             position[i].w = search[i].z
     return ti.sqrt(strongest)

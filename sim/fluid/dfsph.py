@@ -9,7 +9,6 @@ from typing import ClassVar
 import taichi as ti
 
 from sim.arrays import Vec4Array
-from sim.fluid.conjugate_gradients import Pressures
 from sim.fluid.iisph import Iisph
 from sim.fluid.incompressible import kick
 
@@ -26,7 +25,7 @@ class Dfsph(Iisph):
             return told
         particles, settings = self.system.particles, self.settings
         tolerance = settings.divergence_error * self.system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, Pressures.APART)
+        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
         if solution.iterations:
             kick(self.system.count, dt, particles.velocity, particles.kept)
             self.system.lead()

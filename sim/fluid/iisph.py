@@ -11,7 +11,7 @@ import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real, vec4
 from sim.fluid import projection
-from sim.fluid.conjugate_gradients import ConjugateGradients, Pressures, Solution
+from sim.fluid.conjugate_gradients import ConjugateGradients, Solution
 from sim.fluid.incompressible import Incompressible, kick
 from sim.fluid.projection import Projection
 from sim.fluid.solids import remember_way
@@ -23,6 +23,9 @@ smaller error than COARSE is asked for, since what the equations leave out grows
 COARSE = 5e-4
 MOST_LOOKS = 4
 """After the first; each leaves about the square of the way of the one before."""
+LESS = 0.5
+"""Where a look leaves more than this of the mean compression, it is not the way that is too far: fluid that has no room
+can not be pushed apart, and to try would heat it."""
 
 
 class Iisph(Incompressible):
@@ -44,41 +47,78 @@ class Iisph(Incompressible):
         self.projection.prepare(dt)
 
     def press(self, dt: float) -> dict[str, float]:
-        settings = self.settings
-        solution = self._push(dt, settings.min_iterations, settings.max_iterations, Pressures.FOLLOWED)
-        iterations, capped = solution.iterations, solution.capped
-        particles, with_samples = self.system.particles, self.system.boundary.count > 0
-        if with_samples:
-            remember_way(self.system.count, dt, particles.kept, particles.pressed)
+        system, particles, settings = self.system, self.system.particles, self.settings
+        tolerance = settings.density_error * system.spec.rest_density
+        self.projection.predict(dt)
+        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
+        kick(system.count, dt, particles.velocity, particles.kept)
+        if system.boundary.count:
+            remember_way(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
-        far = FAR * min(1.0, math.sqrt(settings.density_error / COARSE)) * self.system.spec.spacing
+        return self._look_again(dt, tolerance, solution)
+
+    def _look_again(self, dt: float, tolerance: float, solution: Solution) -> dict[str, float]:
+        """Push off what is still compressed where particles will be, as long as that helps."""
+        most, iterations, capped = self.settings.max_iterations, solution.iterations, solution.capped
+        far = FAR * min(1.0, math.sqrt(self.settings.density_error / COARSE)) * self.system.spec.spacing
+        last = math.inf
         for _ in range(MOST_LOOKS):
-            if solution.way <= far or iterations >= settings.max_iterations:
+            if solution.way <= far or iterations >= most:
                 break
-            solution = self._push(dt, 0, settings.max_iterations - iterations, Pressures.RAISED)
+            self.projection.predict(dt)
+            mean, worst = self.gradients.compression()
+            if mean > max(tolerance, LESS * last):
+                self._take(dt, -1.0)
+                break
+            if mean <= tolerance and worst <= self.gradients.worst:
+                break
+            last = mean
+            solution = self.gradients.solve(dt, tolerance, 1, most - iterations, warm=False)
+            self._take(dt, 1.0)
             iterations, capped = iterations + solution.iterations, solution.capped
-            if with_samples and solution.iterations:
-                _remember_correction(
-                    self.system.count, dt, particles.kept, particles.search, particles.pressed, particles.corrected
-                )
         return {"pressure_iterations": iterations, "capped": capped}
 
-    def _push(self, dt: float, fewest: int, most: int, pressures: Pressures) -> Solution:
-        """Add to velocities what keeps densities at rest density after the step, as far as they do not yet."""
-        system = self.system
-        self.projection.predict(dt)
-        tolerance = self.settings.density_error * system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, fewest, most, pressures)
-        if solution.iterations:
-            kick(system.count, dt, system.particles.velocity, system.particles.kept)
-        return solution
+    def _take(self, dt: float, sign: float) -> None:
+        """Add what was found to what acts, or take it back with the sign -1."""
+        system, particles = self.system, self.system.particles
+        _take(
+            system.count,
+            dt,
+            sign,
+            particles.position,
+            particles.velocity,
+            particles.acceleration,
+            particles.kept,
+            particles.search,
+        )
+        if system.boundary.count:
+            _remember_correction(
+                system.count, sign, dt, particles.kept, particles.search, particles.pressed, particles.corrected
+            )
+
+
+@ti.kernel
+def _take(
+    count: ti.i32,
+    dt: real,
+    sign: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    acceleration: Vec4Array,
+    kept: Vec4Array,
+    search: Vec4Array,
+):
+    for i in range(count):
+        position[i].w += sign * search[i].x
+        velocity[i].xyz += sign * dt * kept[i].xyz
+        acceleration[i].w += sign * kept[i].w
 
 
 @ti.kernel
 def _remember_correction(
-    count: ti.i32, dt: real, push: Vec4Array, search: Vec4Array, pressed: Vec4Array, corrected: Vec4Array
+    count: ti.i32, sign: real, dt: real, push: Vec4Array, search: Vec4Array, pressed: Vec4Array, corrected: Vec4Array
 ):
     for i in range(count):
-        way = dt * dt * push[i].xyz
+        way = sign * dt * dt * push[i].xyz
         pressed[i].xyz += way
-        corrected[i] += vec4(way, search[i].x)
+        corrected[i] += vec4(way, sign * search[i].x)
