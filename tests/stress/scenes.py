@@ -27,6 +27,15 @@ POOL: dict[str, Any] = {
     },
 }
 """125 particles that fall 5 cm."""
+THICK: dict[str, Any] = {
+    "fluid__viscosity": 0.5,
+    "fluid__viscosity_solver": "implicit",
+    "fluid__xsph": 0.05,
+    "fluid__surface_tension": 1.0,
+    "fluid__surface_tension_model": "akinci2013",
+    "fluid__adhesion": 0.5,
+}
+"""Settings of POOL with all that acts between particles beside pressure."""
 
 
 def pool(**changes: Any) -> dict[str, Any]:

@@ -49,19 +49,25 @@ def changed(state, path, change):
     np.savez(path, **arrays)
 
 
+def run_from_changed_start(scene, folder, last, change):
+    """The folder of a run whose start was changed by `change`, or None where it was refused or stopped."""
+    state, out = folder / "state_00000.npz", folder / "run"
+    assert ends(scene, folder, folder / "start", 0) == 0
+    changed(folder / "start" / state.name, state, change)
+    status = ends(scene, folder, out, last, first=1, state=state)
+    assert status in (0, 2, 3)
+    return out if status == 0 else None
+
+
 def test_particles_in_one_place(tmp_path, solver):
     """Two particles at the same point: no direction parts them, and nothing divides by their distance."""
     scene = pool(fluid__solver=solver)
-    assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
 
     def meet(x, _):
         x[1, :3] = x[0, :3]
 
-    changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", meet)
-    out = tmp_path / "run"
-    status = ends(scene, tmp_path, out, 4, first=1, state=tmp_path / "state_00000.npz")
-    assert status in (0, 2, 3)
-    if status == 0:
+    out = run_from_changed_start(scene, tmp_path, 4, meet)
+    if out:
         assert inside(out, 4)
 
 
@@ -69,16 +75,12 @@ def test_a_particle_on_a_boundary_sample(tmp_path, solver):
     """It starts where the solid is: it is pushed out, or the run refuses or stops."""
     ball = {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "position": [0.1, 0.05, 0]}
     scene = pool(fluid__solver=solver, rigid__bodies={"ball": ball})
-    assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
 
     def sink(x, origin):
         x[0, :3] = np.add(ball["position"], [0, 0.05 - 0.8 * D, 0]) - origin
 
-    changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", sink)
-    out = tmp_path / "run"
-    status = ends(scene, tmp_path, out, 4, first=1, state=tmp_path / "state_00000.npz")
-    assert status in (0, 2, 3)
-    if status == 0:
+    out = run_from_changed_start(scene, tmp_path, 4, sink)
+    if out:
         x = positions(read_frame(out, 4)) - ball["position"]
         assert not (np.abs(x) < 0.05).all(axis=1).any()
 
@@ -180,16 +182,12 @@ def test_a_turned_container(tmp_path, solver):
 def test_more_particles_in_one_place(tmp_path, solver, coincident):
     """One particle, or two pairs of particles, where others are already: as two of them."""
     scene = pool(fluid__solver=solver)
-    assert ends(scene, tmp_path, tmp_path / "start", 0) == 0
 
     def meet(x, _):
         x[1 : 1 + coincident, :3] = x[10 : 10 + coincident, :3]
 
-    changed(tmp_path / "start" / "state_00000.npz", tmp_path / "state_00000.npz", meet)
-    out = tmp_path / "run"
-    status = ends(scene, tmp_path, out, 2, first=1, state=tmp_path / "state_00000.npz")
-    assert status in (0, 2, 3)
-    if status == 0:
+    out = run_from_changed_start(scene, tmp_path, 2, meet)
+    if out:
         assert inside(out, 2)
 
 

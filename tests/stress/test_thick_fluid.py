@@ -11,23 +11,15 @@ from sim.fluid.mixing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
 from tests.particles import read_table
 from tests.solvers import STRESSED
-from tests.stress.scenes import contents, pool, run_segment
+from tests.stress.scenes import THICK, contents, pool, run_segment
 
 BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "position": [0.05, 0.06, 0]}
-THICK = {
-    "fluid__viscosity": 0.5,
-    "fluid__viscosity_solver": "implicit",
-    "fluid__xsph": 0.05,
-    "fluid__surface_tension": 1.0,
-    "fluid__surface_tension_model": "akinci2013",
-    "fluid__adhesion": 0.5,
-    "rigid__bodies": {"ball": BALL},
-}
+THICK_ON_A_BALL = THICK | {"rigid__bodies": {"ball": BALL}}
 
 
 @pytest.mark.parametrize("solver", STRESSED)
 def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
-    scene = pool(fluid__solver=solver, **THICK)
+    scene = pool(fluid__solver=solver, **THICK_ON_A_BALL)
     whole, first, second = (tmp_path / name for name in ("whole", "first", "second"))
     for folder, frames, options in (
         (whole, "0:8", ("--threads", 1)),
@@ -63,7 +55,7 @@ def test_the_viscosity_solver_that_allows_longer_steps_is_chosen(viscosity, solv
 
 
 def test_iterations_that_end_too_soon_are_counted(tmp_path):
-    scene = pool(fluid__solver="dfsph", fluid__implicit_viscosity={"max_iterations": 1}, **THICK)
+    scene = pool(fluid__solver="dfsph", fluid__implicit_viscosity={"max_iterations": 1}, **THICK_ON_A_BALL)
     done = run_segment(scene, tmp_path, "0:4")
     assert done.returncode == 0, done.stderr
     iterations = read_table(tmp_path / "steps.csv")["viscosity_iterations"]

@@ -13,19 +13,13 @@ import pytest
 
 from tests.particles import read_frame
 from tests.solvers import SOLVERS, steps
-from tests.stress.scenes import ROOT, assert_nothing_broken, contents, environment, pool, segment_command
+from tests.stress.scenes import ROOT, THICK, assert_nothing_broken, contents, environment, pool, segment_command
 
 EPS = float(np.finfo(np.float64).eps)
 QUICK = "wcsph"
 BY_SOLVER = [pytest.param(name, marks=() if name == QUICK else pytest.mark.slow) for name in SOLVERS]
 DOWN = [{"axis": [1, 0, 0], "angle": 180}]
-EVERYTHING = {
-    "fluid__viscosity": 0.5,
-    "fluid__viscosity_solver": "implicit",
-    "fluid__xsph": 0.05,
-    "fluid__surface_tension": 1.0,
-    "fluid__surface_tension_model": "akinci2013",
-    "fluid__adhesion": 0.5,
+EVERYTHING = THICK | {
     "fluid__emitters": {
         "tap": {"shape": {"type": "disc", "radius": 0.07}, "position": [0, 0.38, 0], "rotation": DOWN, "speed": 1.0}
     },
