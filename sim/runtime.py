@@ -7,6 +7,7 @@ import io
 import os
 import sys
 
+from sim import compilation
 from sim.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -45,6 +46,7 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     offline_cache_cleaning_policy="lru",
                     log_level=ti.ERROR,
                 )
+            compilation.watch()
             _running = wanted
     return device
 

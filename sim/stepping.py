@@ -16,7 +16,7 @@ from sim.output import Output
 from sim.probes import Probes
 from sim.settings import Refused
 from sim.spec import Event, SimulationSpec
-from sim.stopwatch import Stopwatch
+from sim.stopwatch import COMPILE, Stopwatch
 from sim.world import Counts, World
 
 if TYPE_CHECKING:
@@ -170,13 +170,13 @@ class Run:
             wanted = self._wanted_step(limit)
             dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
             after = target if dt == rest else self.clock.time + dt
-            told = self.world.advance(dt, after)
-            self.measure = self.world.measure()
+            with self.stopwatch.phase("stepping"):
+                told = self.world.advance(dt, after)
+                self.measure = self.world.measure()
             self.clock.time = after
             self.clock.last_step = wanted
             self.clock.step += 1
             wall = time.perf_counter() - start
-            self.stopwatch.add("stepping", wall)
             fault = find_fault(self.world, self.measure, dt)
             if fault is not None:
                 return fault
@@ -233,7 +233,7 @@ class Run:
 
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         if state is not None:
-            with self.stopwatch.phase("compile"):
+            with self.stopwatch.phase(COMPILE):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
             self.world.build(state, emission, self.counts, self.warn, self.clock.time, going_on=going_on)

@@ -170,7 +170,7 @@ class World:
         emitted = self.flow.fastest(self.time) if self.flow else 0.0
         if measure is None or not (self.fluid.count or emitted):
             return {}
-        measure = replace(measure, v_max=max(measure.v_max, emitted))
+        measure = replace(measure, v_max=max(measure.v_max, emitted), pace=max(measure.pace, emitted))
         return self.fluid.solver.step_limits(measure, self.spec.step.cfl)
 
     def begin_frame(self) -> None:
@@ -205,7 +205,7 @@ class World:
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
-        return self.fluid.measure(self.floor) if self.fluid else None
+        return self.fluid.measure(self.floor, self.spec.step.cfl) if self.fluid else None
 
     def choices(self) -> dict[str, str]:
         """What settings of `auto` came to."""

@@ -28,8 +28,10 @@ FIRST = 0.8
 """Length of the Jacobi step in the first trial."""
 TRIAL = 1.2
 """Length of further trial steps over a Jacobi step: the line search shortens what is too long."""
+ROWS = 1024
+"""Sums are taken over so many ranges of particles, then over those, so that they do not depend on threads."""
 ROW = 16
-"""Sums are taken over so many particles, then over GROUPS ranges of those, so that they do not depend on threads."""
+"""Particles in a range on a GPU, which has that many threads; these are summed over GROUPS ranges of them first."""
 GROUPS = 256
 
 
@@ -49,10 +51,12 @@ class ConjugateGradients:
     def __init__(self, system: FluidSystem):
         self.system = system
         self.worst = WORST * system.spec.rest_density
-        self._sums = ti.ndarray(ti.f64, (GROUPS + 1, 4))
+        self._grouped = ti.cfg.arch != ti.cpu
+        self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
 
     def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool) -> Solution:
-        """Find pressures whose accelerations, in kept, leave no more than `tolerance` [kg/m^3] of mean compression.
+        """Find pressures that leave no more than `tolerance` [kg/m^3] of mean compression, and push by them: their
+        accelerations are in kept.
 
         fewest, most: iterations; with fewest = 0 none are made, and kept is not written, where nothing need be done.
         warm: begin with the pressures in position.w and leave the new ones there; else position.w stays as it is.
@@ -65,6 +69,7 @@ class ConjugateGradients:
         _begin(
             system.count,
             self._rows,
+            self._grouped,
             dt,
             warm,
             particles.position,
@@ -79,6 +84,7 @@ class ConjugateGradients:
             mean, worst = _iterate(
                 system.count,
                 self._rows,
+                self._grouped,
                 dt,
                 system.h,
                 system.mass,
@@ -104,6 +110,7 @@ class ConjugateGradients:
             dt,
             warm,
             particles.position,
+            particles.velocity,
             particles.kept,
             particles.search,
             particles.source,
@@ -119,7 +126,7 @@ class ConjugateGradients:
     @property
     def _rows(self) -> int:
         """Ranges of particles over which is summed first; there is room for their sums."""
-        rows = -(-self.system.count // ROW)
+        rows = -(-self.system.count // ROW) if self._grouped else ROWS
         if rows + GROUPS >= self._sums.shape[0]:
             self._sums = ti.ndarray(ti.f64, (rows + rows // 4 + GROUPS + 1, 4))
         return rows
@@ -137,12 +144,19 @@ def _add(sums: DoubleTable, columns: ti.template(), group: ti.i32, rows: ti.i32)
 
 
 @ti.func
-def _share(sums: DoubleTable, rows: ti.i32) -> ti.f64:
-    """Of a step, that minimises the energy: gain over bend, summed over the groups."""
+def _summands(grouped: ti.template(), rows: ti.i32) -> ti.types.vector(2, ti.i32):
+    """Begin and end of what is left to sum: the rows, or the groups behind them."""
+    return ti.Vector([rows, rows + GROUPS]) if ti.static(grouped) else ti.Vector([0, rows])
+
+
+@ti.func
+def _share(sums: DoubleTable, grouped: ti.template(), rows: ti.i32) -> ti.f64:
+    """Of a step, that minimises the energy: gain over bend."""
     gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    for group in range(GROUPS):
-        gain += sums[rows + group, 0]
-        bend += sums[rows + group, 1]
+    within = _summands(grouped, rows)
+    for row in range(within[0], within[1]):
+        gain += sums[row, 0]
+        bend += sums[row, 1]
     return ti.select(bend > 0.0, ti.math.clamp(gain / bend, 0.0, 1.0), 0.0)
 
 
@@ -168,6 +182,7 @@ def _compression(count: ti.i32, rows: ti.i32, source: RealArray, sums: DoubleTab
 def _begin(
     count: ti.i32,
     rows: ti.i32,
+    grouped: ti.template(),
     dt: real,
     warm: ti.i32,
     position: Vec4Array,
@@ -191,11 +206,12 @@ def _begin(
                 bend -= q * dt2 * acceleration[i].w
         sums[row, 0] = gain
         sums[row, 1] = bend
-    for group in range(GROUPS):
-        _add(sums, 2, group, rows)
+    if ti.static(grouped):
+        for group in range(GROUPS):
+            _add(sums, 2, group, rows)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        sums[last, 0] = _share(sums, rows)
+        sums[last, 0] = _share(sums, grouped, rows)
     for i in range(count):
         share, s = ti.cast(sums[last, 0], real), source[i]
         kept[i] = vec4(0.0, 0.0, 0.0, s)
@@ -208,6 +224,7 @@ def _begin(
 def _iterate(
     count: ti.i32,
     rows: ti.i32,
+    grouped: ti.template(),
     dt: real,
     h: real,
     mass: real,
@@ -260,11 +277,12 @@ def _iterate(
             bend += step * (kept[i].w - left)
         sums[row, 0] = gain
         sums[row, 1] = bend
-    for group in range(GROUPS):
-        _add(sums, 2, group, rows)
+    if ti.static(grouped):
+        for group in range(GROUPS):
+            _add(sums, 2, group, rows)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        share = _share(sums, rows)
+        share = _share(sums, grouped, rows)
         # The first pressures are taken whole where that lowers the energy at all.
         sums[last, 1] = ti.select(first != 0 and share > 0.5, 1.0, share)
     for row in range(rows):
@@ -288,22 +306,24 @@ def _iterate(
         sums[row, 1] = along
         sums[row, 2] = error
         sums[row, 3] = worst
-    for group in range(GROUPS):
-        _add(sums, 3, group, rows)
-        worst = ti.cast(0.0, ti.f64)
-        within = span(group, GROUPS, rows)
-        for row in range(within[0], within[1]):
-            worst = ti.max(worst, sums[row, 3])
-        sums[rows + group, 3] = worst
+    if ti.static(grouped):
+        for group in range(GROUPS):
+            _add(sums, 3, group, rows)
+            worst = ti.cast(0.0, ti.f64)
+            within = span(group, GROUPS, rows)
+            for row in range(within[0], within[1]):
+                worst = ti.max(worst, sums[row, 3])
+            sums[rows + group, 3] = worst
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
     ti.loop_config(serialize=True)
     for _ in range(1):
         across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for group in range(GROUPS):
-            across += sums[rows + group, 0]
-            along += sums[rows + group, 1]
-            total += sums[rows + group, 2]
-            peak = ti.max(peak, sums[rows + group, 3])
+        within = _summands(grouped, rows)
+        for row in range(within[0], within[1]):
+            across += sums[row, 0]
+            along += sums[row, 1]
+            total += sums[row, 2]
+            peak = ti.max(peak, sums[row, 3])
         sums[last, 0] = ti.select(along < 0.0, ti.max(-across / along, 0.0), 0.0)
     return ti.Vector([total / count, peak])
 
@@ -314,17 +334,20 @@ def _finish(
     dt: real,
     warm: ti.i32,
     position: Vec4Array,
+    velocity: Vec4Array,
     kept: Vec4Array,
     search: Vec4Array,
     source: RealArray,
     acceleration: Vec4Array,
 ) -> real:
-    """Leave what was found in position.w, and its L q in acceleration.w, or both as they were; L q in kept.w, too.
+    """Push, and leave what was found in position.w, and its L q in acceleration.w, or both as they were; L q in
+    kept.w, too.
 
     Returns the strongest acceleration.
     """
     strongest = ti.cast(0.0, real)
     for i in range(count):
+        velocity[i].xyz += dt * kept[i].xyz
         ti.atomic_max(strongest, kept[i].xyz.norm_sqr())
         changed = (kept[i].w - source[i]) / (dt * dt)
         kept[i].w = changed

@@ -10,7 +10,6 @@ import taichi as ti
 
 from sim.arrays import Vec4Array
 from sim.fluid.iisph import Iisph
-from sim.fluid.incompressible import kick
 
 
 class Dfsph(Iisph):
@@ -27,7 +26,6 @@ class Dfsph(Iisph):
         tolerance = settings.divergence_error * self.system.spec.rest_density
         solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
         if solution.iterations:
-            kick(self.system.count, dt, particles.velocity, particles.kept)
             self.system.lead()
             self.examine(dt)
             if self.system.boundary.count:

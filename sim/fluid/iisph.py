@@ -51,7 +51,6 @@ class Iisph(Incompressible):
         tolerance = settings.density_error * system.spec.rest_density
         self.projection.predict(dt)
         solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
-        kick(system.count, dt, particles.velocity, particles.kept)
         if system.boundary.count:
             remember_way(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
@@ -68,6 +67,7 @@ class Iisph(Incompressible):
             self.projection.predict(dt)
             mean, worst = self.gradients.compression()
             if mean > max(tolerance, LESS * last):
+                kick(self.system.count, -dt, self.system.particles.velocity, self.system.particles.kept)
                 self._take(dt, -1.0)
                 break
             if mean <= tolerance and worst <= self.gradients.worst:
@@ -79,18 +79,9 @@ class Iisph(Incompressible):
         return {"pressure_iterations": iterations, "capped": capped}
 
     def _take(self, dt: float, sign: float) -> None:
-        """Add what was found to what acts, or take it back with the sign -1."""
+        """Count what was found to the pressures that act, or take it off with the sign -1."""
         system, particles = self.system, self.system.particles
-        _take(
-            system.count,
-            dt,
-            sign,
-            particles.position,
-            particles.velocity,
-            particles.acceleration,
-            particles.kept,
-            particles.search,
-        )
+        _take(system.count, sign, particles.position, particles.acceleration, particles.kept, particles.search)
         if system.boundary.count:
             _remember_correction(
                 system.count, sign, dt, particles.kept, particles.search, particles.pressed, particles.corrected
@@ -99,18 +90,10 @@ class Iisph(Incompressible):
 
 @ti.kernel
 def _take(
-    count: ti.i32,
-    dt: real,
-    sign: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    acceleration: Vec4Array,
-    kept: Vec4Array,
-    search: Vec4Array,
+    count: ti.i32, sign: real, position: Vec4Array, acceleration: Vec4Array, kept: Vec4Array, search: Vec4Array
 ):
     for i in range(count):
         position[i].w += sign * search[i].x
-        velocity[i].xyz += sign * dt * kept[i].xyz
         acceleration[i].w += sign * kept[i].w
 
 

@@ -42,7 +42,7 @@ class Incompressible:
         """Largest stable time steps [s]: the way of particles, gravity, and the other forces."""
         half = 0.5 * self.system.h
         return {
-            "signal": way_limit(half, cfl, measure.v_max + self.system.boundary.speed, measure.a_max),
+            "signal": way_limit(cfl * half, measure.pace + self.system.boundary.speed),
             "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
         } | self.momentum.step_limits()
 

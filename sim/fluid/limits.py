@@ -30,8 +30,6 @@ def capillary_limit(half: float, surface_tension: float, density: float) -> floa
     return math.sqrt(density * half**3 / (4.0 * math.pi * surface_tension)) if surface_tension > 0 else math.inf
 
 
-def way_limit(half: float, cfl: float, speed: float, acceleration: float) -> float:
-    """The step t [s] in which a particle moves `cfl` times `half`: v t + a t^2 = cfl half."""
-    way = cfl * half
-    root = math.sqrt(speed * speed + 4.0 * acceleration * way)
-    return 2.0 * way / (speed + root) if root > 0 else math.inf
+def way_limit(way: float, pace: float) -> float:
+    """The step [s] in which the first particle goes the `way` [m]; its mean speed is the `pace` [m/s] measured for it."""
+    return way / pace if pace > 0 else math.inf

@@ -160,12 +160,13 @@ class FluidPart:
     def state(self) -> FluidState:
         return FluidState(**self.system.particles.state())
 
-    def measure(self, floor: float) -> Measure:
-        """Extremes, sums and error counts; below the height `floor` [m] falling may add speed."""
+    def measure(self, floor: float, cfl: float) -> Measure:
+        """Extremes, sums and error counts; below the height `floor` [m] falling may add speed, and `cfl` says what
+        share of half the support radius particles may go in a step."""
         g = float(np.linalg.norm(self.gravity))
         up = -self.gravity / g if g > 0 else np.zeros(3)
         level = g * (floor - float(up @ self.origin))
-        return self.system.measure(self.fastest_signal, level)
+        return self.system.measure(0.5 * cfl * self.system.h, self.fastest_signal, level)
 
     def potential_energy(self, measure: Measure) -> float:
         """In gravity [J], zero at the world's origin."""

@@ -28,6 +28,8 @@ class Measure:
 
     v_max: float
     a_max: float
+    pace: float
+    """The greatest v / 2 + sqrt(v^2 / 4 + a s), at which a particle goes a way s in a step t: v t + a t^2 = s."""
     kinetic_energy: float
     momentum: np.ndarray
     position_sum: np.ndarray
@@ -38,7 +40,7 @@ class Measure:
     too_fast: int
 
 
-STILL = Measure(0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
+STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
@@ -84,7 +86,7 @@ class FluidSystem:
         self._way_left = 0.0
         self.forgetful = True
         """Whether what particles remember of the last step only to be faster is lost."""
-        self._partial = ti.ndarray(ti.f64, (BLOCKS, 14))
+        self._partial = ti.ndarray(ti.f64, (BLOCKS, 15))
         self.measured = STILL
         """What the last measure said."""
         self.flow: Exchange | None = None
@@ -138,8 +140,8 @@ class FluidSystem:
         self.neighbors.build(position, self.count, self.grid, position, same=True)
         self.boundary.find_neighbors(position, self.count)
 
-    def measure(self, speed_limit: float, level: float) -> Measure:
-        """Extremes, sums and error counts, in a fixed order of summation.
+    def measure(self, way: float, speed_limit: float, level: float) -> Measure:
+        """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
 
         A particle is too fast above `speed_limit` [m/s], unless it gained the speed by falling from
         where gravity's potential is `level` [m^2/s^2].
@@ -157,6 +159,7 @@ class FluidSystem:
             self.walls.planes,
             self.h / 2,
             vec3(*self.gravity),
+            way,
             speed_limit,
             level,
             self._partial,
@@ -166,14 +169,15 @@ class FluidSystem:
         self.measured = Measure(
             v_max=float(np.sqrt(peak[0])),
             a_max=float(np.sqrt(peak[1])),
-            kinetic_energy=0.5 * self.mass * float(total[2]),
-            momentum=self.mass * total[3:6],
-            position_sum=total[6:9],
-            density_max=float(peak[9]),
-            compression_sum=float(total[10]),
-            not_finite=int(total[11]),
-            beyond_walls=int(total[12]),
-            too_fast=int(total[13]),
+            pace=float(peak[2]),
+            kinetic_energy=0.5 * self.mass * float(total[3]),
+            momentum=self.mass * total[4:7],
+            position_sum=total[7:10],
+            density_max=float(peak[10]),
+            compression_sum=float(total[11]),
+            not_finite=int(total[12]),
+            beyond_walls=int(total[13]),
+            too_fast=int(total[14]),
         )
         return self.measured
 
@@ -193,24 +197,26 @@ def _measure(
     planes: Vec4Array,
     deepest: real,
     gravity: vec3,
+    way: real,
     speed_limit: real,
     level: real,
     partial: DoubleTable,
 ):
     for block in range(BLOCKS):
-        row = ti.Vector([0.0] * 14, dt=ti.f64)
+        row = ti.Vector([0.0] * 15, dt=ti.f64)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
             x, v, a = position[i], velocity[i], acceleration[i]
             v2, a2 = v.xyz.dot(v.xyz), a.xyz.dot(a.xyz)
             row[0] = ti.max(row[0], v2)
             row[1] = ti.max(row[1], a2)
-            row[2] += v2
+            row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + way * ti.sqrt(a2)))
+            row[3] += v2
             for axis in ti.static(range(3)):
-                row[3 + axis] += v[axis]
-                row[6 + axis] += x[axis]
-            row[9] = ti.max(row[9], v.w)
-            row[10] += ti.max(v.w / rest_density - 1.0, 0.0)
+                row[4 + axis] += v[axis]
+                row[7 + axis] += x[axis]
+            row[10] = ti.max(row[10], v.w)
+            row[11] += ti.max(v.w / rest_density - 1.0, 0.0)
             finite = (
                 ti.abs(v2) < 1e30
                 and ti.abs(a2) < 1e30
@@ -219,11 +225,11 @@ def _measure(
                 and ti.abs(x.w) < 1e30
             )
             if not finite:
-                row[11] += 1.0
-            if wall_depth(x.xyz, wall_count, planes) > deepest:
                 row[12] += 1.0
+            if wall_depth(x.xyz, wall_count, planes) > deepest:
+                row[13] += 1.0
             fallen = ti.max(gravity.dot(x.xyz) + level, 0.0)
             if v2 > speed_limit * speed_limit + 2.0 * fallen:
-                row[13] += 1.0
-        for column in ti.static(range(14)):
+                row[14] += 1.0
+        for column in ti.static(range(15)):
             partial[block, column] = row[column]

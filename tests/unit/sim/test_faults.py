@@ -16,6 +16,7 @@ from sim.spec import SimulationSpec
 GOOD = Measure(
     v_max=1.0,
     a_max=10.0,
+    pace=1.0,
     kinetic_energy=1.0,
     momentum=np.zeros(3),
     position_sum=np.zeros(3),

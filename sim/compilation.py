@@ -1,0 +1,36 @@
+"""How long kernels take to compile, or to be loaded from the cache.
+
+Taichi does so in the first call of a kernel and does not tell, so calls are watched; the work that the first call does
+is counted, too.
+"""
+
+from __future__ import annotations
+
+import functools
+import time
+
+_seconds = 0.0
+
+
+def seconds() -> float:
+    """Spent in this process so far."""
+    return _seconds
+
+
+@functools.cache
+def watch() -> None:
+    """Take the time of calls that compile, from now on."""
+    from taichi.lang.kernel_impl import Kernel
+
+    call = Kernel.__call__
+
+    @functools.wraps(call)
+    def timed(kernel: Kernel, *args: object, **options: object) -> object:
+        global _seconds
+        known, start = len(kernel.compiled_kernels), time.perf_counter()
+        told = call(kernel, *args, **options)
+        if len(kernel.compiled_kernels) > known:
+            _seconds += time.perf_counter() - start
+        return told
+
+    Kernel.__call__ = timed
