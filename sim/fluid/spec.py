@@ -110,6 +110,13 @@ class Incompressible(Settings):
     """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
 
 
+class Pcisph(Incompressible):
+    """Settings of predictive-corrective SPH (Solenthaler & Pajarola 2009)."""
+
+    density_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0005
+    """Mean compression that a step may leave, as a share of the rest density; iterations grow fast below this one."""
+
+
 class Dfsph(Incompressible):
     """Settings of divergence-free SPH (Bender & Koschier 2017)."""
 
@@ -165,7 +172,7 @@ class Fluid(Settings):
     """More fluid particles than this are refused before the simulation starts; emitters pause while there are
     so many."""
     wcsph: Wcsph = Wcsph()
-    pcisph: Incompressible = Incompressible(density_error=0.0005)
+    pcisph: Pcisph = Pcisph()
     iisph: Incompressible = Incompressible()
     dfsph: Dfsph = Dfsph()
 
