@@ -89,9 +89,7 @@ class Iisph(Incompressible):
 
 
 @ti.kernel
-def _take(
-    count: ti.i32, sign: real, position: Vec4Array, acceleration: Vec4Array, kept: Vec4Array, search: Vec4Array
-):
+def _take(count: ti.i32, sign: real, position: Vec4Array, acceleration: Vec4Array, kept: Vec4Array, search: Vec4Array):
     for i in range(count):
         position[i].w += sign * search[i].x
         acceleration[i].w += sign * kept[i].w

@@ -31,5 +31,5 @@ def capillary_limit(half: float, surface_tension: float, density: float) -> floa
 
 
 def way_limit(way: float, pace: float) -> float:
-    """The step [s] in which the first particle goes the `way` [m]; its mean speed is the `pace` [m/s] measured for it."""
+    """The step [s] in which a particle at most goes the `way` [m]: at the `pace` [m/s] that was measured for it."""
     return way / pace if pace > 0 else math.inf
