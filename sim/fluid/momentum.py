@@ -20,7 +20,7 @@ from sim.fluid.walls import along_walls, wall_damping, wall_share
 from sim.neighbors import padded
 
 TENSION_STEP = {"becker2007": 0.5, "akinci2013": 1.0}
-"""Share of the step that resolves capillary waves: at 0.7 of it the attraction of Becker & Teschner, which pulls all the
+"""Share of the step that resolves capillary waves: at 0.7 of it the attraction of Becker & Teschner, which pulls
 harder the nearer particles are, bursts drops of iterative solvers."""
 
 
