@@ -1,0 +1,36 @@
+"""The step in which the first particle has gone its way, from speeds and accelerations of each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+WAY = 0.004
+
+
+def test_the_step_is_that_of_the_first_particle(taichi):
+    """v t + a t^2 = s, solved for each particle by its polynomial; none has both the greatest v and the greatest a."""
+    from sim.fluid.boundary import Boundary
+    from sim.fluid.limits import way_limit
+    from sim.fluid.spec import Fluid
+    from sim.fluid.system import FluidSystem
+    from sim.fluid.walls import Walls
+
+    speed, acceleration = np.array([3.0, 0.0, 1.5, 0.2]), np.array([9.81, 800.0, 300.0, 0.0])
+    spec = Fluid(particle_radius=0.01)
+    none = Boundary(np.zeros((0, 3)), np.zeros(0, np.int32), spec.spacing, spec.support_radius, spec.support_radius, {})
+    walls = Walls(np.zeros((0, 4)), spec.spacing, spec.support_radius)
+    system = FluidSystem(spec, np.zeros(3), walls, none)
+    axis = np.array([[0.6, 0.0, -0.8]])
+    system.load(
+        {
+            "position": np.eye(4, dtype=np.float32),
+            "velocity": np.column_stack((speed[:, None] * axis, np.full(4, 1000.0))).astype(np.float32),
+            "acceleration": np.column_stack((acceleration[:, None] * axis[:, ::-1], np.zeros(4))).astype(np.float32),
+            "tag": np.zeros((4, 2), np.int32),
+        }
+    )
+    roots = [np.roots([a, v, -WAY]).max() for v, a in zip(speed, acceleration, strict=True)]
+    found = way_limit(WAY, system.measure(WAY, 1e3, 0.0).pace)
+    assert found == pytest.approx(min(roots), rel=1e-5)
+    assert found > np.roots([acceleration.max(), speed.max(), -WAY]).max() * 1.05
