@@ -15,7 +15,7 @@ from pathlib import Path
 
 PACKAGES = ("sim", "render", "workflow")
 MATERIALS = frozenset({"fluid", "rigid", "cloth"})
-_MODULE_NAME = re.compile(rf"(?:{'|'.join(PACKAGES)})(?:\.[A-Za-z_]\w*)+")
+_NAME_IN_STRING = re.compile(rf"""["']((?:{"|".join(PACKAGES)})(?:\.[A-Za-z_]\w*)+)(?::[^"']*)?["']""")
 
 
 def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> list[Path]:
@@ -29,6 +29,7 @@ def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> li
     if start.name == "__init__.py":
         start = start.with_name("__main__.py")
     found: set[Path] = set()
+    known: set[str] = set()
     waiting = [start, *_packages(entry, root)]
     while waiting:
         file = waiting.pop()
@@ -36,7 +37,8 @@ def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> li
             continue
         found.add(file)
         for module in _imports(file, root, file.stat().st_mtime_ns):
-            if _counts(module, materials):
+            if module not in known and _counts(module, materials):
+                known.add(module)
                 target = _find(module, root)
                 waiting += [*_packages(module, root), *([target] if target else [])]
     return sorted(found)
@@ -64,12 +66,14 @@ def _counts(module: str, materials: frozenset[str]) -> bool:
 
 @functools.lru_cache(maxsize=4096)
 def _imports(file: Path, root: Path, _changed: int) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(_names(ast.parse(file.read_bytes(), str(file)), file, root)))
+    text = file.read_text()
+    imported = _imported(ast.parse(text, str(file)), file, root)
+    return tuple(dict.fromkeys([*imported, *_NAME_IN_STRING.findall(text)]))
 
 
-def _names(tree: ast.AST, file: Path, root: Path) -> Iterator[str]:
+def _imported(tree: ast.Module, file: Path, root: Path) -> Iterator[str]:
     package = file.parent.relative_to(root).parts
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
         elif isinstance(node, ast.ImportFrom):
@@ -78,10 +82,17 @@ def _names(tree: ast.AST, file: Path, root: Path) -> Iterator[str]:
             if module.partition(".")[0] in PACKAGES:
                 yield module
                 yield from (f"{module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            name = node.value.partition(":")[0]
-            if _MODULE_NAME.fullmatch(name):
-                yield name
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """All of a module, however deep; `ast.walk` would visit expressions, too, which are most of the tree."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
+            inner = getattr(node, block, ())
+            waiting += inner if isinstance(inner, list) else ()
 
 
 def _find(module: str, root: Path) -> Path | None:
