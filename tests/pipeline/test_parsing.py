@@ -18,16 +18,13 @@ def test_imports(fresh):
 
 
 def test_a_dry_run_over_600_frames_takes_less_than_3_seconds(fresh):
-    """At best of five, since other work on the machine only adds."""
     fresh.edit("duration: 2\nfps: 4", "duration: 25\nfps: 24")
-    taken = []
-    while len(taken) < 5 and min(taken, default=3.0) >= 3.0:
-        before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-        ran = fresh.dry_run()
-        after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
-        assert len(ran.jobs) == 50 + 50 + 150 + 1
-        taken.append(min(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime))
-    assert min(taken) < 3.0
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    ran = fresh.dry_run()
+    after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
+    assert len(ran.jobs) == 50 + 50 + 150 + 1
+    busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    assert min(busy, wall) < 3.0
 
 
 def test_snakemake_has_no_complaint(fresh):
