@@ -15,7 +15,7 @@ class Settings(BaseModel):
     """Immutable, typed settings; an unknown key is an error."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True, validate_default=False
+        extra="forbid", frozen=True, allow_inf_nan=False, validate_default=False, defer_build=True
     )
 
     def canonical(self) -> str:

@@ -12,6 +12,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from workflow.meanings import WithMeanings
 from workflow.scene import QUALITIES, SceneFile
 
 SCHEMA = Path("scenes/schema.json")
@@ -25,7 +26,7 @@ PRESET = "Preset_"
 
 def schema() -> Node:
     """The schema of a scene file; a preset is a scene of which everything may be left out."""
-    whole = _named(SceneFile.model_json_schema())
+    whole = _named(SceneFile.model_json_schema(schema_generator=WithMeanings))
     definitions = whole.pop("$defs")
     top = {key: value for key, value in whole.items() if key != "required"}
     top["properties"] = {

@@ -6,7 +6,6 @@ modules that they name. Folders of materials that a scene does not use do not co
 
 from __future__ import annotations
 
-import ast
 import functools
 import hashlib
 import re
@@ -16,6 +15,10 @@ from pathlib import Path
 PACKAGES = ("sim", "render", "workflow")
 MATERIALS = frozenset({"fluid", "rigid", "cloth"})
 _NAME_IN_STRING = re.compile(rf"""["']((?:{"|".join(PACKAGES)})(?:\.[A-Za-z_]\w*)+)(?::[^"']*)?["']""")
+_IMPORT = re.compile(r"^[ \t]*import[ \t]+([\w.]+)", re.MULTILINE)
+_FROM = re.compile(r"^[ \t]*from[ \t]+(\.*)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.+)", re.MULTILINE)
+_COMMENT = re.compile(r"#.*")
+_NAME_AND_ALIAS = re.compile(r"(\w+)(?:\s+as\s+\w+)?")
 
 
 def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> list[Path]:
@@ -67,32 +70,20 @@ def _counts(module: str, materials: frozenset[str]) -> bool:
 @functools.lru_cache(maxsize=4096)
 def _imports(file: Path, root: Path, _changed: int) -> tuple[str, ...]:
     text = file.read_text()
-    imported = _imported(ast.parse(text, str(file)), file, root)
-    return tuple(dict.fromkeys([*imported, *_NAME_IN_STRING.findall(text)]))
-
-
-def _imported(tree: ast.Module, file: Path, root: Path) -> Iterator[str]:
     package = file.parent.relative_to(root).parts
-    for node in _statements(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
-        elif isinstance(node, ast.ImportFrom):
-            base = package[: len(package) - node.level + 1] if node.level else ()
-            module = ".".join([*base, *([node.module] if node.module else [])])
-            if module.partition(".")[0] in PACKAGES:
-                yield module
-                yield from (f"{module}.{alias.name}" for alias in node.names)
+    return tuple(dict.fromkeys([*_imported(text, package), *_NAME_IN_STRING.findall(text)]))
 
 
-def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """All of a module, however deep; `ast.walk` would visit expressions, too, which are most of the tree."""
-    waiting: list[ast.AST] = [tree]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        for block in ("body", "orelse", "finalbody", "handlers", "cases"):
-            inner = getattr(node, block, ())
-            waiting += inner if isinstance(inner, list) else ()
+def _imported(text: str, package: tuple[str, ...]) -> Iterator[str]:
+    """Names that a source imports, by its lines: parsing all of them takes longer than planning a film."""
+    text = _COMMENT.sub("", text)
+    yield from (module for module in _IMPORT.findall(text) if module.partition(".")[0] in PACKAGES)
+    for dots, name, members in _FROM.findall(text):
+        base = package[: len(package) - len(dots) + 1] if dots else ()
+        module = ".".join([*base, *([name] if name else [])])
+        if module.partition(".")[0] in PACKAGES:
+            yield module
+            yield from (f"{module}.{member}" for member in _NAME_AND_ALIAS.findall(members))
 
 
 def _find(module: str, root: Path) -> Path | None:

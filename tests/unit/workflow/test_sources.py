@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
 
-from workflow.sources import closure, digest
+from workflow.sources import PACKAGES, closure, digest
+
+ROOT = Path(__file__).resolve().parents[3]
 
 FILES = {
     "sim/__init__.py": "",
@@ -53,6 +56,39 @@ def names(root: Path, entry: str, *materials: str) -> set[str]:
 def test_imports_are_followed_also_relative_in_functions_and_in_strings(tree):
     found = names(tree, "sim.segment", "fluid", "rigid", "cloth")
     assert found == set(FILES) - {"sim/unused.py", "render/__init__.py", "render/__main__.py"}
+
+
+def parsed_imports(file: Path, root: Path) -> set[Path]:
+    """Files of the project that a file imports by Python's own parser, anywhere in it."""
+    package = file.parent.relative_to(root).parts
+    modules: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = ".".join([*package[: len(package) - node.level + 1], *([node.module] if node.module else [])])
+            module = base if node.level else node.module or ""
+            modules |= {module, *(f"{module}.{alias.name}" for alias in node.names)}
+    paths = [root.joinpath(*module.split(".")) for module in modules if module.partition(".")[0] in PACKAGES]
+    files = {path.with_suffix(".py") for path in paths} | {path / "__init__.py" for path in paths}
+    return {path for path in files if path.is_file()}
+
+
+@pytest.mark.parametrize("entry", ["sim.segment", "workflow.reconstruct", "render", "workflow.film"])
+def test_no_import_that_the_parser_sees_is_missed(entry):
+    found = set(closure(entry, ROOT))
+    assert len(found) > 5
+    for file in found:
+        assert parsed_imports(file, ROOT) <= found, file
+
+
+def test_imports_over_many_lines_with_comments_and_aliases(tmp_path):
+    for name in ("__init__", "a", "b", "c", "not_imported"):
+        (tmp_path / "sim").mkdir(exist_ok=True)
+        (tmp_path / "sim" / f"{name}.py").touch()
+    text = "from sim import (  # comment: not_imported\n    a as z,\n    b,  # and not (not_imported)\n    c,\n)\n"
+    (tmp_path / "sim" / "entry.py").write_text(text)
+    assert names(tmp_path, "sim.entry") == {f"sim/{name}.py" for name in ("__init__", "a", "b", "c", "entry")}
 
 
 def test_materials_that_are_not_used_do_not_count(tree):
