@@ -71,7 +71,10 @@ class Catalog:
                 scene.film.copy_path(Path.cwd())
             except Refused as refused:
                 stop(str(scene.error(refused)))
-            self._plans[key] = Plan(scene, self._root)
+            same = (name, scene.quality)
+            if same not in self._plans:
+                self._plans[same] = Plan(scene, self._root)
+            self._plans[key] = self._plans[same]
         return self._plans[key]
 
     def job(self, stage: str, wildcards: Any) -> Job:
