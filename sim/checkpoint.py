@@ -16,6 +16,7 @@ from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.fluid.part import FluidState
+    from sim.rigid.body import RigidState
 
 FORMAT = 1
 
@@ -35,7 +36,7 @@ class Clock:
 
 @dataclass
 class Checkpoint:
-    """A clock, the counts so far, the next times of the probes, what emitters have sent, and the particles."""
+    """A clock, the counts so far, the next times of the probes, what emitters have sent, particles and rigid bodies."""
 
     clock: Clock
     counts: dict[str, int]
@@ -43,11 +44,22 @@ class Checkpoint:
     emission: dict[str, Any]
     origin: np.ndarray
     fluid: FluidState | None
+    rigid: RigidState | None = None
 
     @property
     def bytes(self) -> int:
         """Size of the arrays, which is that of the file but for its head."""
-        return sum(values.nbytes for values in vars(self.fluid).values()) if self.fluid is not None else 0
+        return sum(values.nbytes for values in self._arrays().values())
+
+    def _arrays(self) -> dict[str, np.ndarray]:
+        """What the materials hold, by the name that it has in the file."""
+        materials = {"fluid": self.fluid, "rigid": self.rigid}
+        return {
+            f"{material}.{name}": values
+            for material, state in materials.items()
+            for name, values in (vars(state).items() if state is not None else ())
+            if isinstance(values, np.ndarray)
+        }
 
     def save(self, path: Path, spec: SimulationSpec) -> None:
         meta = {
@@ -58,9 +70,10 @@ class Checkpoint:
             "emission": self.emission,
             "layout": _layout(spec),
         }
+        if self.rigid is not None:
+            meta["dynamic_bodies"] = self.rigid.names
         arrays: dict[str, Any] = {"meta": np.array(json.dumps(meta, sort_keys=True)), "origin": self.origin}
-        if self.fluid is not None:
-            arrays |= {f"fluid.{name}": values for name, values in vars(self.fluid).items()}
+        arrays |= self._arrays()
         with whole(path) as stream:
             np.savez(stream, **arrays)
 
@@ -78,11 +91,20 @@ class Checkpoint:
             from sim.fluid.part import FluidState
 
             kinds = vars(FluidState())
-            fluid = FluidState(**{name: _particles(path, arrays, name, kind) for name, kind in kinds.items()})
+            fluid = FluidState(**{name: _array(path, arrays, f"fluid.{name}", kind) for name, kind in kinds.items()})
             if len({len(values) for values in vars(fluid).values()}) > 1:
                 raise _damaged(path, "its arrays differ in length")
+        rigid = None
+        if "dynamic_bodies" in meta:
+            from sim.rigid.body import RigidState
+
+            kinds = {name: kind for name, kind in vars(RigidState()).items() if name != "names"}
+            rigid = RigidState(
+                tuple(meta["dynamic_bodies"]),
+                **{name: _array(path, arrays, f"rigid.{name}", kind) for name, kind in kinds.items()},
+            )
         clock, emission = Clock(**meta["clock"]), meta.get("emission", {})
-        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid)
+        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid, rigid)
 
 
 def state_name(frame: int) -> str:
@@ -115,13 +137,13 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     return meta, arrays
 
 
-def _particles(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarray) -> np.ndarray:
-    """One array of the particles, of the kind of `like`; raises Refused where it is not."""
-    values = arrays.get(f"fluid.{name}")
+def _array(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarray) -> np.ndarray:
+    """One array of a material, of the kind of `like`; raises Refused where it is not."""
+    values = arrays.get(name)
     if values is None or values.dtype != like.dtype or values.ndim != 2 or values.shape[1] != like.shape[1]:
-        raise _damaged(path, f"fluid.{name} is missing or of another kind")
+        raise _damaged(path, f"{name} is missing or of another kind")
     if not np.isfinite(values).all():
-        raise _damaged(path, f"fluid.{name} has values that are not finite")
+        raise _damaged(path, f"{name} has values that are not finite")
     return values
 
 

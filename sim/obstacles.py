@@ -17,6 +17,7 @@ from sim.settings import Refused
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.rigid.dynamic import Dynamic
     from sim.rigid.movement import Movement
     from sim.rigid.prescribed import Prescribed
     from sim.rigid.spec import RigidBody
@@ -32,7 +33,7 @@ class Obstacle:
     name: str
     solid: Solid
     hollow: bool = False
-    motion: Prescribed | None = None
+    motion: Prescribed | Dynamic | None = None
 
     def movement(self, time: float) -> Movement | None:
         """How the solid has been moved at `time` [s]; None for one that stands."""
@@ -79,6 +80,16 @@ class Obstacles:
     placed: list[Obstacle]
     walls: list[PlaneWall]
     boxes: dict[str, BoxContainer]
+
+    @property
+    def dynamic(self) -> dict[int, Obstacle]:
+        """Bodies that obey forces, by their index in `placed`."""
+        return {index: item for index, item in enumerate(self.placed) if item.motion and item.motion.obeys_forces}
+
+    @property
+    def prescribed(self) -> dict[int, Obstacle]:
+        """Bodies whose motion the scene prescribes, likewise."""
+        return {index: item for index, item in enumerate(self.placed) if item.motion and not item.motion.obeys_forces}
 
     def planes(self) -> np.ndarray:
         """Normals and offsets of all walls, shape [n, 4]."""
@@ -138,7 +149,23 @@ def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
             first = body.keyframes[0]
             turned = body.rotation if first.rotation is None else first.rotation
             body = body.model_copy(update={"position": first.position, "rotation": turned})
-    return Obstacle(name, _placed(body, folder, ("rigid", "bodies", name)), motion=motion)
+    location = ("rigid", "bodies", name)
+    solid = _placed(body, folder, location)
+    if body.motion == "dynamic":
+        motion = _dynamic(body, solid, location)
+    return Obstacle(name, solid, motion=motion)
+
+
+def _dynamic(body: RigidBody, solid: Solid, location: tuple[str, ...]) -> Dynamic:
+    from sim.rigid.dynamic import Dynamic
+    from sim.rigid.movement import Movement
+
+    try:
+        mass = solid.mass_properties(body.density)
+    except Refused as refused:
+        raise refused.at(*location, "shape") from None
+    velocities = np.array(body.velocity), np.array(body.angular_velocity)
+    return Dynamic(Movement(mass.centre, mass.centre, np.eye(3), *velocities), solid.pose.rotation)
 
 
 def _placed(body: Placement, folder: Path, location: tuple[str, ...]) -> Solid:

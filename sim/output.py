@@ -26,6 +26,7 @@ FLUID_COLUMNS = (
     "kinetic_energy",
     "potential_energy",
 )
+RIGID_COLUMNS = ("rigid_kinetic_energy", "rigid_potential_energy")
 
 
 class Output:
@@ -39,7 +40,9 @@ class Output:
         self.folder = folder
         self.has_fluid = spec.fluid is not None
         self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS, until)
-        self.steps = Table(folder / "steps.csv", STEP_COLUMNS + self._fluid_columns(spec), until)
+        self.steps = Table(
+            folder / "steps.csv", STEP_COLUMNS + self._fluid_columns(spec) + self._rigid_columns(spec), until
+        )
         self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
         self._meshes: set[str] = set()
 
@@ -55,6 +58,15 @@ class Output:
         if viscosity_is_implicit(spec.fluid, np.array(spec.gravity), SLOWEST * spec.fluid.spacing):
             self._statistics += ("viscosity_iterations",)
         return FLUID_COLUMNS + self._statistics
+
+    def _rigid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        self._contact_statistics: tuple[str, ...] = ()
+        if not has_dynamic_bodies(spec):
+            return ()
+        from sim.rigid.part import STATISTICS
+
+        self._contact_statistics = STATISTICS
+        return RIGID_COLUMNS + STATISTICS
 
     def step(
         self,
@@ -79,6 +91,10 @@ class Output:
                 world.fluid.potential_energy(measure) if count else 0.0,
             ]
             row += [told.get(name, 0) for name in self._statistics]
+        if self._contact_statistics:
+            rigid = world.rigid.measure() if world.rigid else None
+            row += [rigid.kinetic_energy, rigid.potential_energy] if rigid else [0.0, 0.0]
+            row += [told.get(name, 0) for name in self._contact_statistics]
         self.steps.add(*row)
 
     def frame(self, frame: int, time: float, world: World) -> None:
@@ -128,6 +144,13 @@ class Output:
             mesh = item.solid.mesh
             centre = np.zeros(3) if item.hollow else item.centre
             write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces)
+
+
+def has_dynamic_bodies(spec: SimulationSpec) -> bool:
+    """Whether any body obeys forces, at any time."""
+    groups = [spec.rigid.bodies] if spec.rigid else []
+    groups += [event.add.rigid for event in spec.events]
+    return any(body.motion == "dynamic" for bodies in groups for body in bodies.values())
 
 
 def _body_state(item: Obstacle, time: float) -> list[float]:

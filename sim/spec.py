@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import MeshFile, Placement
-from sim.rigid.spec import Rigid, RigidBody
+from sim.rigid.spec import Contact, Rigid, RigidBody
 from sim.settings import Name, Settings
 from sim.units import Acceleration, Dimensionless, Extents, Frequency, Position, PositiveDuration
 
@@ -23,7 +23,7 @@ SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
 """-x, +x, -y, +y, -z, +z: the order of the planes of a box."""
 
 
-class BoxContainer(Settings):
+class BoxContainer(Contact):
     """Walls around a cuboid. A closed side goes on without end beyond the cuboid."""
 
     type: Literal["box"]
@@ -41,7 +41,7 @@ class BoxContainer(Settings):
         return self
 
 
-class MeshContainer(Placement):
+class MeshContainer(Placement, Contact):
     """The inside of a closed mesh."""
 
     type: Literal["mesh"]

@@ -83,7 +83,9 @@ class Run:
         self.counts = Counts(**checkpoint.counts)
         self.probes = Probes(self.spec, checkpoint.probe_times)
         with self.stopwatch.phase("build"):
-            self.world = World(spec_before(self.spec, self.clock.time), self.folder, checkpoint.origin)
+            self.world = World(
+                spec_before(self.spec, self.clock.time), self.folder, checkpoint.origin, checkpoint.rigid
+            )
         self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
 
     def checkpoint(self) -> Checkpoint:
@@ -95,6 +97,7 @@ class Run:
             emission=self._emission(),
             origin=self.world.origin,
             fluid=self.world.fluid.state() if self.world.fluid else None,
+            rigid=self.world.rigid.state() if self.world.rigid else None,
         )
 
     def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> None:
@@ -183,6 +186,7 @@ class Run:
             self.steps_taken += 1
             self.particle_steps += self.world.fluid.count if self.world.fluid else 0
             self.counts.steps_capped += int(told.get("capped", 0) > 0)
+            self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
             output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)
         return None
@@ -208,8 +212,10 @@ class Run:
         """Build the world anew as the events at this time want it, with the particles there are."""
         state = self.world.fluid.state() if self.world.fluid else None
         emission, names = self._emission(), self._body_names()
+        # Contacts are numbered by the bodies there are, which may change.
+        rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
         with self.stopwatch.phase("build"):
-            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin)
+            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin, rigid)
             for event in events if state is not None else ():
                 for name in event.remove:
                     if name in names:
@@ -232,7 +238,7 @@ class Run:
         return self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time) if bodies else state
 
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
-        if state is not None:
+        if state is not None or self.world.obstacles.dynamic:
             with self.stopwatch.phase(COMPILE):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):

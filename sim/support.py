@@ -7,7 +7,7 @@ from typing import Any
 from sim.events import apply
 from sim.rigid.spec import RigidBody
 from sim.settings import Refused
-from sim.spec import BoxContainer, SimulationSpec
+from sim.spec import SimulationSpec
 
 
 def refuse_unsupported(spec: SimulationSpec) -> None:
@@ -40,14 +40,12 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
             raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
-        if group == "rigid" and body.motion == "dynamic":
+        if group == "rigid" and body.motion == "dynamic" and spec.fluid is not None:
             raise Refused(
-                "rigid bodies with motion 'dynamic' are not simulated yet",
+                "rigid bodies with motion 'dynamic' are not simulated together with fluid yet",
                 location=(*location, "motion"),
-                remedy="use motion: static or prescribed",
+                remedy="use motion: static or prescribed, or a scene without fluid",
             )
-        if group == "containers" and not isinstance(body, BoxContainer) and spec.fluid is None:
-            raise Refused("a mesh container without fluid holds nothing", location=location, remedy="add fluid")
     for name, probe in spec.probes.items():
         if probe.type == "vertex":
             raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")

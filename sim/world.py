@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidPart, FluidState
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
+    from sim.rigid.body import RigidState
+    from sim.rigid.part import RigidPart
 
 COARSEST = 0.01
 """Positions in files are right to this share of the spacing of particles."""
@@ -44,6 +46,8 @@ class Counts:
     steps_repeated: int = 0
     steps_capped: int = 0
     """Steps in which a pressure solver stopped at its cap of iterations, with a larger error than asked for."""
+    contacts_capped: int = 0
+    """Steps in which the sweeps over contacts of rigid bodies did."""
 
 
 class World:
@@ -52,8 +56,14 @@ class World:
     Modules of a material that the scene does not have are not imported.
     """
 
-    def __init__(self, spec: SimulationSpec, folder: Path, origin: np.ndarray | None = None):
-        """Place everything; raises Refused. `origin` [m] is given when a run goes on."""
+    def __init__(
+        self,
+        spec: SimulationSpec,
+        folder: Path,
+        origin: np.ndarray | None = None,
+        rigid_state: RigidState | None = None,
+    ):
+        """Place everything; raises Refused. `origin` [m] and what dynamic bodies do are given when a run goes on."""
         self.spec = spec
         self.folder = folder
         self.gravity = np.array(spec.gravity)
@@ -66,6 +76,10 @@ class World:
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
         self.fluid: FluidPart | None = None
         self.flow: Flow | None = None
+        self.rigid: RigidPart | None = None
+        self._rigid_state = rigid_state
+        if rigid_state is not None:
+            self._put_back(rigid_state)
         self.emission: dict[str, Any] = {}
         """What emitters had sent when this world was built."""
         self.time = 0.0
@@ -117,6 +131,8 @@ class World:
         """
         self.emission = emission
         self.time = time
+        if self.obstacles.dynamic:
+            self._build_rigid()
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples, pivots
@@ -141,6 +157,23 @@ class World:
             self.flow = self.fluid.system.flow = self._build_flow(counts, warn)
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
 
+    def _put_back(self, state: RigidState) -> None:
+        """Stand dynamic bodies where they were."""
+        row = {name: index for index, name in enumerate(state.names)}
+        for item in self.obstacles.dynamic.values():
+            if item.name in row:
+                item.motion.resume(state.position[row[item.name]], state.rotation[row[item.name]])
+
+    def _build_rigid(self) -> None:
+        from sim.rigid.assemble import assemble
+        from sim.rigid.body import RigidState
+        from sim.rigid.part import RigidPart
+
+        bodies = assemble(self.spec, self.obstacles)
+        self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, self._rigid_state or RigidState())
+        for index, item in self.obstacles.dynamic.items():
+            item.motion.now = self.rigid.movement(index)
+
     def step_limit(self, measure: Measure | None) -> float:
         """Largest stable time step [s]; infinite where nothing moves."""
         return min(self._step_limits(measure).values(), default=math.inf)
@@ -149,6 +182,15 @@ class World:
         """What `step_limit` comes from, and what would help."""
         limits = self._step_limits(measure)
         match min(limits, key=limits.get):
+            case "spin":
+                return f"the spin of a body ({self.rigid.measure().spin_max:.3g} rad/s)", "let it turn more slowly"
+            case "way":
+                return (
+                    f"the speed of a body ({self.rigid.measure().v_max:.3g} m/s)",
+                    "use lower speeds or larger bodies",
+                )
+            case "rigid step":
+                return "rigid.max_step", "raise it"
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "viscosity":
@@ -167,11 +209,12 @@ class World:
         return f"the fastest signal ({speeds})", "use lower speeds, less gravity, or larger particles"
 
     def _step_limits(self, measure: Measure | None) -> dict[str, float]:
+        limits = self.rigid.step_limits(self.rigid.measure()) if self.rigid else {}
         emitted = self.flow.fastest(self.time) if self.flow else 0.0
         if measure is None or not (self.fluid.count or emitted):
-            return {}
+            return limits
         measure = replace(measure, v_max=max(measure.v_max, emitted), pace=max(measure.pace, emitted))
-        return self.fluid.solver.step_limits(measure, self.spec.step.cfl)
+        return limits | self.fluid.solver.step_limits(measure, self.spec.step.cfl)
 
     def begin_frame(self) -> None:
         """What a run that goes on from the last frame would do first."""
@@ -180,8 +223,17 @@ class World:
 
     def advance(self, dt: float, until: float) -> dict[str, float]:
         """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
-        told = self._advance_fluid(dt, until) if self.fluid else {}
+        told = self._advance_rigid(dt, until) if self.rigid else {}
+        if self.fluid:
+            told |= self._advance_fluid(dt, until)
         self.time = until
+        return told
+
+    def _advance_rigid(self, dt: float, until: float) -> dict[str, float]:
+        moved = {index: item.movement(until) for index, item in self.obstacles.prescribed.items()}
+        told = self.rigid.advance(dt, moved)
+        for index, item in self.obstacles.dynamic.items():
+            item.motion.now = self.rigid.movement(index)
         return told
 
     def _advance_fluid(self, dt: float, until: float) -> dict[str, float]:
@@ -214,7 +266,8 @@ class World:
         return {"fluid.viscosity_solver": "implicit" if self.fluid.system.implicit_viscosity else "explicit"}
 
     def bytes_by_module(self) -> dict[str, int]:
-        return {"fluid": self.fluid.system.bytes} if self.fluid else {}
+        found = {"fluid": self.fluid.system.bytes} if self.fluid else {}
+        return found | ({"rigid": self.rigid.bytes} if self.rigid else {})
 
     @functools.cached_property
     def floor(self) -> float:

@@ -43,6 +43,8 @@ class Prescribed:
     Velocities at the time of a keyframe are those after it.
     """
 
+    obeys_forces = False
+
     def __init__(self, body: RigidBody):
         self._pieces = _between_keyframes(body) if body.keyframes else _constant(body)
         self._starts = [piece.start for piece in self._pieces]

@@ -5,12 +5,27 @@ from __future__ import annotations
 import itertools
 from typing import Annotated, Literal, Self
 
-from annotated_types import Ge, Le
+from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
 from sim.geometry.spec import AnyShape, Placement, Rotation
 from sim.settings import Name, Settings
-from sim.units import AngularVelocity, Density, Dimensionless, Duration, Mass, Position, Velocity
+from sim.units import (
+    AngularVelocity,
+    Density,
+    Dimensionless,
+    Duration,
+    Force,
+    Mass,
+    Position,
+    PositiveDuration,
+    Speed,
+    Torque,
+    Velocity,
+)
+
+Friction = Annotated[Dimensionless, Ge(0), Le(10)]
+Restitution = Annotated[Dimensionless, Ge(0), Le(1)]
 
 
 class Keyframe(Settings):
@@ -24,7 +39,24 @@ class Keyframe(Settings):
     """Turns, applied in the order given, instead of the body's own `rotation`; without them that one holds."""
 
 
-class RigidBody(Placement):
+class Contact(Settings):
+    """How a surface holds and throws back the bodies that meet it."""
+
+    friction: Friction = 0.5
+    """Coefficient of Coulomb friction of bodies that slide; of two the geometric mean counts."""
+    static_friction: Friction | None = None
+    """The coefficient at rest, at least that while sliding; without it, the same."""
+    restitution: Restitution = 0.3
+    """Relative speed after an impact over the one before; of two bodies the greater counts."""
+
+    @model_validator(mode="after")
+    def _rest_holds_better(self) -> Self:
+        if self.static_friction is not None and self.static_friction < self.friction:
+            raise ValueError("static_friction must be at least friction")
+        return self
+
+
+class RigidBody(Placement, Contact):
     """A body that keeps its shape."""
 
     shape: AnyShape
@@ -41,10 +73,10 @@ class RigidBody(Placement):
     """When a prescribed body without keyframes sets off [s]; by default at 0, or when an event adds it."""
     keyframes: tuple[Keyframe, ...] = ()
     """Where a prescribed body is, sorted by time; it is at rest before the first and after the last."""
-    friction: Annotated[Dimensionless, Ge(0), Le(10)] = 0.5
-    """Coefficient of Coulomb friction."""
-    restitution: Annotated[Dimensionless, Ge(0), Le(1)] = 0.3
-    """Relative speed after an impact over the one before."""
+    force: Force = (0.0, 0.0, 0.0)
+    """That acts on the centre of mass of a dynamic body all the time; events may change it [N]."""
+    torque: Torque = (0.0, 0.0, 0.0)
+    """Likewise, about the centre of mass [N m]."""
 
     @model_validator(mode="after")
     def _motion_is_consistent(self) -> Self:
@@ -61,6 +93,8 @@ class RigidBody(Placement):
             raise ValueError("start is for prescribed bodies without keyframes: remove it")
         if self.keyframes and any(self.position) and self.position != self.keyframes[0].position:
             raise ValueError("position differs from that of the first keyframe: leave position out")
+        if self.motion != "dynamic" and (any(self.force) or any(self.torque)):
+            raise ValueError("force and torque are for bodies that obey them: add `motion: dynamic`, or remove them")
         if self.motion != "static" and self.shape.type in {"plane", "sheet"}:
             raise ValueError(f"motion of a {self.shape.type} can only be static: use a thin box")
         return self
@@ -88,7 +122,25 @@ class RigidBody(Placement):
         return abs(sum(turn.angle for turn in turns[1]) - sum(turn.angle for turn in turns[0]))
 
 
+class ContactPair(Settings):
+    """What two bodies or containers are to each other, instead of what follows from each."""
+
+    between: tuple[Name, Name]
+    """Names of two rigid bodies, or of one and a container."""
+    friction: Friction | None = None
+    static_friction: Friction | None = None
+    restitution: Restitution | None = None
+
+
 class Rigid(Settings):
-    """The rigid bodies of the scene."""
+    """The rigid bodies of the scene, and how their contacts are solved."""
 
     bodies: Annotated[dict[Name, RigidBody], Field(min_length=1)]
+    pairs: tuple[ContactPair, ...] = ()
+    """Exceptions from the friction and restitution of the bodies, the last that fits counts."""
+    max_step: Annotated[PositiveDuration, Le(0.1)] = 0.004
+    """Longest time step of a scene with dynamic bodies [s]."""
+    contact_error: Annotated[Speed, Gt(0)] = 1e-8
+    """Sweeps over the contacts end when none changes a relative velocity by more than this [m/s]."""
+    max_iterations: Annotated[int, Ge(1), Le(100_000)] = 500
+    """Most sweeps in a step; steps that would need more are counted and reported."""

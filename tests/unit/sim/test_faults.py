@@ -32,6 +32,7 @@ def world(limit=1e-3, solver="wcsph", **step):
     spec = SimulationSpec.model_validate({"fluid": {"particle_radius": 0.01, "solver": solver}, "step": step})
     return SimpleNamespace(
         spec=spec,
+        rigid=None,
         fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),

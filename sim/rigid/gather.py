@@ -1,0 +1,109 @@
+"""Contacts of all pairs in one table, with what is known of them from the step before."""
+
+import taichi as ti
+
+from sim.rigid.contact_solver import Contacts, Motion, relative_velocity
+from sim.rigid.manifold import MOST, Found
+from sim.rigid.rotation import rotation_of
+from sim.rigid.types import Integers, Numbers, Vectors, vec3
+
+NEAR = 0.3
+"""A contact goes on from the nearest of its pair in the step before, within this share of the smaller body."""
+CLOSED = 1e-5
+"""Gaps below this share of the smaller body are none: else bodies at rest would for ever close what rounding opens."""
+
+
+@ti.kernel
+def gather(
+    pairs: ti.i32,
+    pair: Integers,
+    number: Integers,
+    first: Integers,
+    material: Numbers,
+    size: Numbers,
+    found: Found,
+    known: Integers,
+    known_place: Vectors,
+    known_force: Vectors,
+    dt: ti.f64,
+    motion: Motion,
+    contacts: Contacts,
+    gap: Numbers,
+    restitution: Numbers,
+):
+    """Bring the contacts of pair k, `number[k]` of them, to `first[k]` and after.
+
+    material: friction, friction at rest and restitution of each pair; size [m] of its smaller body; known: where its
+    contacts of the step before begin and end, of which there are the place in the first body's axes and the force [N].
+    """
+    for k in range(pairs):
+        a, b = pair[2 * k], pair[2 * k + 1]
+        back = rotation_of(motion.rotation[a]).transpose()
+        for j in range(number[k]):
+            source, c = k * MOST + j, first[k] + j
+            contacts.body[2 * c], contacts.body[2 * c + 1] = a, b
+            here, n = found.at[source], found.out[source]
+            contacts.place[c], contacts.normal[c] = here, n
+            gap[c] = found.apart[source]
+            contacts.limit[c] = -ti.max(found.apart[source] - CLOSED * size[k], 0.0) / dt - dt * found.bend[source]
+            contacts.friction[c] = material[3 * k]
+            contacts.grip[c] = material[3 * k + 1]
+            restitution[c] = material[3 * k + 2]
+            local = back @ (here - motion.position[a])
+            nearest, force = NEAR * size[k], vec3(0.0)
+            for old in range(known[2 * k], known[2 * k + 1]):
+                away = (known_place[old] - local).norm()
+                if away < nearest:
+                    nearest, force = away, known_force[old]
+            contacts.push[c] = dt * ti.max(force.dot(n), 0.0)
+            contacts.drag[c] = dt * (force - n * force.dot(n))
+
+
+@ti.kernel
+def remember(
+    count: ti.i32,
+    dt: ti.f64,
+    struck: Integers,
+    motion: Motion,
+    contacts: Contacts,
+    known_place: Vectors,
+    known_force: Vectors,
+):
+    """Places in the first bodies' axes [m] and forces [N] of all contacts, for the next step; a blow does not last."""
+    for c in range(count):
+        a = contacts.body[2 * c]
+        back = rotation_of(motion.rotation[a]).transpose()
+        known_place[c] = back @ (contacts.place[c] - motion.position[a])
+        if struck[c] < 2:
+            known_force[c] = (contacts.push[c] * contacts.normal[c] + contacts.drag[c]) / dt
+
+
+@ti.kernel
+def separate(
+    count: ti.i32,
+    dt: ti.f64,
+    slack: Numbers,
+    share: ti.f64,
+    fastest: ti.f64,
+    gap: Numbers,
+    motion: Motion,
+    contacts: Contacts,
+    apart: Numbers,
+    thrust: Numbers,
+    slip: Vectors,
+) -> ti.i32:
+    """Ask overlapping bodies to part, no faster than `fastest` [m/s]; returns how many contacts overlap too much.
+
+    The gap is that of the step's begin; what the velocities do to it is counted. Written: the speeds asked for, and
+    impulses of zero to begin with.
+    """
+    deep = 0
+    for c in range(count):
+        now = gap[c] + dt * contacts.normal[c].dot(relative_velocity(motion, contacts, c))
+        thrust[c] = 0.0
+        slip[c] = vec3(0.0)
+        apart[c] = -ti.max(now, 0.0) / dt
+        if now < -slack[c]:
+            apart[c] = ti.min(share * (-now - slack[c]) / dt, fastest)
+            deep += 1
+    return deep

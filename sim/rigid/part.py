@@ -1,0 +1,390 @@
+"""Rigid bodies that obey forces, and what they meet: one step after the other.
+
+A step: forces change velocities (free_motion); near bodies are paired (broad_phase), and the places where they touch or
+will are found (narrow_phase, box_box, manifold); impulses are found for all of them together (contact_solver); bodies
+move (free_motion, rotation); those that were struck bounce (restitution), and what overlaps still is parted without
+gaining speed (gather).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sim.rigid import contact_solver, free_motion, gather, restitution
+from sim.rigid.body import Body, RigidMeasure, RigidState
+from sim.rigid.broad_phase import near_pairs, near_planes
+from sim.rigid.fields import PLANE
+from sim.rigid.movement import Movement
+from sim.rigid.narrow_phase import find_contacts
+from sim.rigid.spec import Rigid
+from sim.rigid.surfaces import Surfaces
+from sim.rigid.tables import ContactTables, integers, numbers, shapes
+from sim.rigid.types import vec3
+
+STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "contacts_capped")
+"""What is told of a step: how many contacts, sweeps over them, the velocity that the last of them changed most [m/s],
+the deepest overlap [m], and whether the sweeps ended at their cap."""
+TURN = 0.1
+"""Greatest turn of a body in a step [rad]."""
+WAY = 0.5
+"""Greatest way of a body in a step, over its own size."""
+SKIN = 1e-3
+"""Contacts are followed from this share of the smaller body's size on, beyond what bodies go in a step."""
+SLACK = 1e-4
+"""Overlap, as a share of the smaller body, that is left alone."""
+SHARE = 0.2
+"""Of any other overlap, so much is undone in a step, by moving bodies without giving them speed."""
+PARTING = 2.0
+"""The greatest speed of that, in sizes of the smallest body a second."""
+PARTING_SWEEPS = 50
+PARTING_ERROR = 1e-6
+"""In sizes of the smallest body a second."""
+MOST_ROUNDS = 100
+"""Of blows that pass from pair to pair."""
+
+
+class RigidPart:
+    """All bodies and walls of a world: those that obey forces, and those that they meet.
+
+    bodies: planes last; settings: of the solver. Positions are in world coordinates, of the bodies' pivots.
+    """
+
+    def __init__(self, bodies: Sequence[Body], gravity: np.ndarray, settings: Rigid, state: RigidState):
+        self.bodies = bodies
+        self.settings = settings
+        self.gravity = np.asarray(gravity, dtype=np.float64)
+        self.count = len(bodies)
+        self.free = np.array([body.mass is not None for body in bodies])
+        self.mass = np.array([body.mass.mass if body.mass else np.inf for body in bodies])
+        self.size = np.array([body.size for body in bodies])
+        self.told: dict[str, float] = {}
+        self._surfaces = Surfaces(bodies, settings.pairs)
+        self._shapes = shapes(bodies)
+        self._kinds = sum({1 << body.shape.kind for body in bodies})
+        self._weigh()
+        self._enclose()
+        self._place(state)
+        self._tables = ContactTables(64)
+        self._contacts = 0
+        self._known = state.contact_pair, state.contact_place, state.contact_force
+
+    def _weigh(self) -> None:
+        """Inertia in the bodies' own axes, and the forces on them."""
+        turns = [body.shape.turn for body in self.bodies]
+        tensors = [body.mass.inertia if body.mass else np.eye(3) for body in self.bodies]
+        self._inertia = np.array([turn.T @ tensor @ turn for turn, tensor in zip(turns, tensors, strict=True)])
+        self._inverse_inertia = np.linalg.inv(self._inertia) * self.free[:, None, None]
+        self._mobile = integers(self.free)
+        self._mass = np.where(self.free, self.mass, 1.0)
+        self._force = np.array([body.force for body in self.bodies], dtype=np.float64)
+        self._torque = np.array([body.torque for body in self.bodies], dtype=np.float64)
+
+    def _enclose(self) -> None:
+        """Boxes around the solids in their own axes, and the planes."""
+        solids = [body for body in self.bodies if body.shape.kind != PLANE]
+        planes = self.bodies[len(solids) :]
+        bounds = np.array([body.bounds for body in solids]).reshape(-1, 2, 3)
+        self._middle, self._half = bounds.mean(axis=1), (bounds[:, 1] - bounds[:, 0]) / 2
+        self._solids = len(solids)
+        self._reach = np.zeros(self.count)
+        self._reach[: self._solids] = np.linalg.norm(np.abs(bounds).max(axis=1), axis=1)
+        self._normals = np.array([body.shape.turn[:, 1] for body in planes]).reshape(-1, 3)
+        self._offsets = np.array([body.shape.turn[:, 1] @ body.shape.origin for body in planes])
+
+    def _place(self, state: RigidState) -> None:
+        """Where bodies are, and how fast: as placed, or as in `state`."""
+        self._pivots = np.array([body.pivot for body in self.bodies], dtype=np.float64)
+        self.position = self._pivots.copy()
+        self.rotation = np.array([_quaternion(body.shape.turn) for body in self.bodies])
+        self.velocity = np.array([body.velocity for body in self.bodies], dtype=np.float64)
+        self.momentum = np.array(
+            [body.mass.inertia @ body.angular_velocity if body.mass else np.zeros(3) for body in self.bodies]
+        )
+        row = {name: index for index, name in enumerate(state.names)}
+        for k in np.flatnonzero(self.free):
+            if self.bodies[k].name in row:
+                for name in ("position", "rotation", "velocity", "momentum"):
+                    getattr(self, name)[k] = getattr(state, name)[row[self.bodies[k].name]]
+        turn = _matrices(self.rotation)
+        own = np.einsum("nji,nj->ni", turn, self.momentum)
+        self.spin = np.einsum("nij,njk,nk->ni", turn, self._inverse_inertia, own)
+        shared = {
+            "position": self.position,
+            "rotation": self.rotation,
+            "inverse_mass": np.where(self.free, 1 / self.mass, 0.0),
+            "inverse_inertia": np.zeros((self.count, 3, 3)),
+        }
+        self._motion = _motion(shared, self.velocity, self.spin, self.momentum)
+        # Others of the same bodies: before the step, at its end without contact, while blows pass on, while parting.
+        self._old, self._free, self._blow, self._apart = (np.zeros((3, self.count, 3)) for _ in range(4))
+        self._blown, self._parting = _motion(shared, *self._blow), _motion(shared, *self._apart)
+
+    def advance(self, dt: float, movements: Mapping[int, Movement]) -> dict[str, float]:
+        """Step by dt [s]; `movements` tells where bodies are then that do not obey forces, by index.
+
+        Returns the STATISTICS.
+        """
+        self.told = dict.fromkeys(STATISTICS, 0)
+        self._steer(dt, movements)
+        free_motion.accelerate(
+            self.count,
+            dt,
+            vec3(*self.gravity),
+            self._mobile,
+            self._mass,
+            self._inverse_inertia,
+            self._force,
+            self._torque,
+            self._motion,
+            *self._old[:2],
+            *self._free[:2],
+        )
+        self._contacts = self._find(dt)
+        if self._contacts:
+            self._press()
+        free_motion.move(self.count, dt, self._mobile, self._inverse_inertia, self._old[0], self._free[0], self._motion)
+        if self._contacts:
+            self._bounce(dt)
+            self._remember(dt)
+            self._part(dt)
+        else:
+            self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
+        self._land(movements)
+        return self.told
+
+    def _steer(self, dt: float, movements: Mapping[int, Movement]) -> None:
+        """Velocities that take bodies to where they are to be."""
+        for k, now in movements.items():
+            aim = Rotation.from_matrix(now.rotation @ self.bodies[k].shape.turn)
+            self.velocity[k] = (now.carry(self._pivots[k]) - self.position[k]) / dt
+            self.spin[k] = (aim * _rotations(self.rotation[k]).inv()).as_rotvec() / dt
+
+    def _land(self, movements: Mapping[int, Movement]) -> None:
+        for k, now in movements.items():
+            self.position[k] = now.carry(self._pivots[k])
+            self.rotation[k] = _quaternion(now.rotation @ self.bodies[k].shape.turn)
+
+    def _find(self, dt: float) -> int:
+        """List contacts, with what is known of them from the step before; returns how many."""
+        self._pairs, margin = self._near(dt)
+        pairs = len(self._pairs)
+        if not pairs:
+            return 0
+        if pairs > self._tables.room:
+            self._tables = ContactTables(2 * pairs)
+        tables, pair = self._tables, integers(self._pairs)
+        find_contacts(
+            self._kinds,
+            pairs,
+            pair,
+            margin,
+            self._shapes,
+            self.position,
+            self.rotation,
+            self.spin,
+            tables.number,
+            tables.found,
+        )
+        self._number = tables.number[:pairs].copy()
+        self._first = integers(np.cumsum(self._number) - self._number)
+        count = int(self._number.sum())
+        if not count:
+            return 0
+        known, place, force = self._known
+        size = np.minimum(self.size[self._pairs[:, 0]], self.size[self._pairs[:, 1]])
+        gather.gather(
+            pairs,
+            pair,
+            self._number,
+            self._first,
+            numbers(self._surfaces.of(self._pairs)),
+            size,
+            tables.found,
+            integers(self._same(known)),
+            place if len(place) else np.zeros((1, 3)),
+            force if len(force) else np.zeros((1, 3)),
+            dt,
+            self._motion,
+            tables.pressed,
+            tables.gap,
+            tables.restitution,
+        )
+        tables.slack[:count] = np.repeat(SLACK * size, self._number)
+        self.told["contacts"] = count
+        self.told["overlap"] = max(-float(tables.gap[:count].min()), 0.0)
+        return count
+
+    def _near(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of bodies that may touch within the step, sorted, and how far off contacts are looked for [m]."""
+        way = dt * (np.linalg.norm(self.velocity, axis=1) + self._reach * np.linalg.norm(self.spin, axis=1))
+        skin = SKIN * self.size
+        solids = slice(0, self._solids)
+        turn = _matrices(self.rotation[solids])
+        middle = self.position[solids] + np.einsum("nij,nj->ni", turn, self._middle)
+        half = np.einsum("nij,nj->ni", np.abs(turn), self._half) + (way + skin)[solids, None]
+        pairs = near_pairs(middle - half, middle + half, self.free[solids])
+        walls = near_planes(middle, half, self.free[solids], self._normals, self._offsets)
+        walls[:, 1] += self._solids
+        pairs = np.concatenate((pairs, walls))
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        a, b = pairs.T
+        return pairs, way[a] + way[b] + np.minimum(skin[a], skin[b])
+
+    def _same(self, known: np.ndarray) -> np.ndarray:
+        """Where the contacts of the pairs begin and end among those of the pairs `known`, shape [pairs, 2]."""
+        before, now = (pairs[:, 0].astype(np.int64) * self.count + pairs[:, 1] for pairs in (known, self._pairs))
+        return np.column_stack([np.searchsorted(before, now, side=side) for side in ("left", "right")])
+
+    def _press(self) -> None:
+        contact_solver.weigh(self._contacts, self._motion, self._tables.pressed)
+        sweeps, change = contact_solver.solve(
+            self._contacts,
+            self.settings.max_iterations,
+            self.settings.contact_error,
+            self._motion,
+            self._tables.pressed,
+        )
+        self.told["contact_iterations"], self.told["contact_error"] = int(sweeps), float(change)
+        self.told["contacts_capped"] = int(change > self.settings.contact_error)
+
+    def _bounce(self, dt: float) -> None:
+        tables = self._tables
+        struck = restitution.approach(
+            self._contacts,
+            dt,
+            float(np.linalg.norm(self.gravity)),
+            tables.gap,
+            *self._old[:2],
+            *self._free[:2],
+            self._motion,
+            tables.pressed,
+            tables.restitution,
+            tables.extra,
+            tables.slow,
+            tables.struck,
+        )
+        if not struck:
+            return
+        self._blow[:2] = self._old[:2]
+        restitution.rebound(
+            len(self._pairs),
+            self._number,
+            self._first,
+            MOST_ROUNDS,
+            tables.slow,
+            self._blown,
+            tables.pressed,
+            tables.restitution,
+            tables.extra,
+            tables.struck,
+            tables.target,
+            tables.blow,
+        )
+        contact_solver.solve(
+            self._contacts,
+            self.settings.max_iterations,
+            self.settings.contact_error,
+            self._motion,
+            tables.bouncing,
+        )
+
+    def _remember(self, dt: float) -> None:
+        place, force = np.zeros((self._contacts, 3)), np.zeros((self._contacts, 3))
+        gather.remember(self._contacts, dt, self._tables.struck, self._motion, self._tables.pressed, place, force)
+        self._known = np.repeat(self._pairs, self._number, axis=0).astype(np.int32), place, force
+
+    def _part(self, dt: float) -> None:
+        tables = self._tables
+        least = float(self.size[self.free].min())
+        deep = gather.separate(
+            self._contacts,
+            dt,
+            tables.slack,
+            SHARE,
+            PARTING * least,
+            tables.gap,
+            self._motion,
+            tables.pressed,
+            tables.apart,
+            tables.thrust,
+            tables.slip,
+        )
+        if deep:
+            self._apart[:] = 0
+            contact_solver.solve(self._contacts, PARTING_SWEEPS, PARTING_ERROR * least, self._parting, tables.parting)
+            free_motion.shift(self.count, dt, self._mobile, *self._apart[:2], self._motion)
+
+    def measure(self) -> RigidMeasure:
+        """Energies [J], speeds and momentum of the bodies that obey forces."""
+        free = self.free
+        velocity, spin, mass = self.velocity[free], self.spin[free], self.mass[free]
+        speed, turning = np.linalg.norm(velocity, axis=1), np.linalg.norm(spin, axis=1)
+        everything = np.concatenate((self.position[free], self.rotation[free], velocity, spin), axis=1)
+        return RigidMeasure(
+            kinetic_energy=float(0.5 * mass @ speed**2 + 0.5 * (self.momentum[free] * spin).sum()),
+            potential_energy=-float(mass @ (self.position[free] @ self.gravity)),
+            v_max=float((speed + self._reach[free] * turning).max(initial=0.0)),
+            pace=float((speed / self.size[free]).max(initial=0.0)),
+            spin_max=float(turning.max(initial=0.0)),
+            momentum=mass @ velocity,
+            finite=bool(np.isfinite(everything).all()),
+        )
+
+    def step_limits(self, measure: RigidMeasure) -> dict[str, float]:
+        """Largest steps [s] by what limits them."""
+        limits = {"rigid step": self.settings.max_step}
+        if measure.spin_max > 0:
+            limits["spin"] = TURN / measure.spin_max
+        if measure.pace > 0:
+            limits["way"] = WAY / measure.pace
+        return limits
+
+    def movement(self, index: int) -> Movement:
+        """Where a body is now."""
+        return Movement(
+            pivot=self._pivots[index],
+            position=self.position[index].copy(),
+            rotation=_rotations(self.rotation[index]).as_matrix() @ self.bodies[index].shape.turn.T,
+            velocity=self.velocity[index].copy(),
+            angular_velocity=self.spin[index].copy(),
+        )
+
+    def state(self) -> RigidState:
+        free = self.free
+        return RigidState(
+            tuple(body.name for body in self.bodies if body.mass is not None),
+            self.position[free],
+            self.rotation[free],
+            self.velocity[free],
+            self.momentum[free],
+            *self._known,
+        )
+
+    @property
+    def bytes(self) -> int:
+        """Of what grows with bodies and contacts."""
+        return (
+            self._tables.bytes
+            + 4 * self._old.nbytes
+            + sum(body.shape.grid.values.nbytes for body in self.bodies if body.shape.grid)
+        )
+
+
+def _motion(shared: dict, velocity: np.ndarray, spin: np.ndarray, momentum: np.ndarray) -> contact_solver.Motion:
+    return contact_solver.Motion(**shared, velocity=velocity, spin=spin, momentum=momentum)
+
+
+def _rotations(quaternions: np.ndarray) -> Rotation:
+    """Of w, x, y, z, shape [4] or [n, 4]."""
+    return Rotation.from_quat(np.roll(quaternions, -1, axis=-1))
+
+
+def _matrices(quaternions: np.ndarray) -> np.ndarray:
+    return _rotations(quaternions).as_matrix() if len(quaternions) else np.zeros((0, 3, 3))
+
+
+def _quaternion(matrix: np.ndarray) -> np.ndarray:
+    return np.roll(Rotation.from_matrix(matrix).as_quat(), 1)

@@ -1,0 +1,185 @@
+"""What bodies are to contacts: a field of distances around each, and features that are looked up in others' fields.
+
+A feature is a point, a segment or a circle, rounded by a radius: a sphere is a rounded point, a capsule a rounded
+segment, a torus a rounded circle, a cylinder its two rims, a box its corners and edges, a mesh its vertices and
+samples of its faces and edges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.geometry import cache, distance, scatter, winding
+from sim.geometry.solids import (
+    BoxSolid,
+    CapsuleSolid,
+    CylinderSolid,
+    MeshSolid,
+    SheetSolid,
+    Solid,
+    SphereSolid,
+    TorusSolid,
+)
+from sim.rigid.fields import BOX, CAPSULE, CYLINDER, GRID, PLANE, SPHERE, TORUS
+
+POINT, SEGMENT, CIRCLE = range(3)
+CELLS = 64
+"""Of a mesh's grid of distances along its longest side."""
+RIM = 3
+"""Cells of a grid beyond its mesh, on each side."""
+
+
+@dataclass
+class Features:
+    """Columns of equal length; coordinates in the body's own frame."""
+
+    kind: list[int] = field(default_factory=list)
+    centre: list[np.ndarray] = field(default_factory=list)
+    """[m], shape [3]."""
+    way: list[np.ndarray] = field(default_factory=list)
+    """From a segment's centre to its end [m], or (R, 0, 0) of a circle about the y axis with the radius R."""
+    rounding: list[float] = field(default_factory=list)
+    """[m]"""
+
+    def add(self, kind: int, centre: np.ndarray, way: np.ndarray | None = None, rounding: float = 0.0) -> None:
+        self.kind.append(kind)
+        self.centre.append(np.asarray(centre, dtype=float))
+        self.way.append(np.zeros(3) if way is None else np.asarray(way, dtype=float))
+        self.rounding.append(rounding)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Distances [m] at the corners of cubic cells, shape [x, y, z], from the corner `low` [m] on."""
+
+    low: np.ndarray
+    cell: float
+    values: np.ndarray
+
+
+@dataclass(frozen=True)
+class ContactShape:
+    """A shape in its own frame: the axes are its own, the origin is `origin` in the world as it is placed."""
+
+    kind: int
+    size: np.ndarray
+    """Of a box its half edges, else radius and half length, or both radii of a torus [m], shape [3]."""
+    features: Features
+    origin: np.ndarray
+    turn: np.ndarray
+    """Rotation of its own axes as it is placed, shape [3, 3]."""
+    bounds: np.ndarray
+    """Box around it in its own frame [m], shape [2, 3]."""
+    grid: Grid | None = None
+    hollow: bool = False
+    """Whether the solid is what the shape leaves free."""
+
+    @property
+    def reach(self) -> float:
+        """Greatest distance from the origin [m]."""
+        return float(np.linalg.norm(np.abs(self.bounds).max(axis=0)))
+
+
+def plane_shape(normal: np.ndarray, offset: float) -> ContactShape:
+    """The half-space normal . x < offset."""
+    other = np.eye(3)[np.abs(normal).argmin()]
+    side = np.cross(normal, other) / np.linalg.norm(np.cross(normal, other))
+    turn = np.column_stack((side, normal, np.cross(side, normal)))
+    endless = np.array([np.full(3, -np.inf), np.full(3, np.inf)])
+    return ContactShape(PLANE, np.zeros(3), Features(), offset * normal, turn, endless)
+
+
+def contact_shape(solid: Solid, *, hollow: bool = False) -> ContactShape:
+    """The shape of a placed solid; the mesh of a large file is thinned."""
+    scale, turn, place = solid.pose.scale, solid.pose.rotation, solid.pose.position
+    features = Features()
+    match solid:
+        case SphereSolid():
+            radius = scale * solid.radius
+            features.add(POINT, np.zeros(3), rounding=radius)
+            kind, size, half = SPHERE, np.full(3, radius), np.full(3, radius)
+        case BoxSolid():
+            half = scale * solid.size / 2
+            _add_box(features, half)
+            kind, size = BOX, half
+        case CapsuleSolid():
+            radius, length = scale * solid.radius, scale * solid.height / 2
+            features.add(SEGMENT, np.zeros(3), np.array([0, length, 0]), radius)
+            kind, size, half = CAPSULE, np.array([radius, length, 0]), np.array([radius, length + radius, radius])
+        case CylinderSolid():
+            radius, length = scale * solid.radius, scale * solid.height / 2
+            for end in (length, -length):
+                features.add(CIRCLE, np.array([0, end, 0]), np.array([radius, 0, 0]))
+            kind, size, half = CYLINDER, np.array([radius, length, 0]), np.array([radius, length, radius])
+        case TorusSolid():
+            radius, tube = scale * solid.radius, scale * solid.tube_radius
+            features.add(CIRCLE, np.zeros(3), np.array([radius, 0, 0]), tube)
+            kind, size, half = TORUS, np.array([radius, tube, 0]), np.array([radius + tube, tube, radius + tube])
+        case SheetSolid():
+            half = scale * np.array([solid.size[0] / 2, 0, solid.size[1] / 2])
+            _add_box(features, half)
+            kind, size = BOX, half
+        case MeshSolid():
+            return _mesh_shape(solid, hollow)
+    return ContactShape(kind, size, features, place, turn, np.array([-half, half]), hollow=hollow)
+
+
+def _add_box(features: Features, half: np.ndarray) -> None:
+    signs = np.array([[1 - 2 * ((corner >> axis) & 1) for axis in range(3)] for corner in range(8)])
+    for corner in signs:
+        features.add(POINT, corner * half)
+    for axis in range(3):
+        for corner in signs[signs[:, axis] > 0]:
+            centre = corner * half
+            centre[axis] = 0
+            features.add(SEGMENT, centre, np.eye(3)[axis] * half)
+
+
+def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
+    """In the mesh's own frame as scaled, the origin in the middle of its bounding box."""
+    turn, scale = solid.pose.rotation, solid.pose.scale
+    local = (np.asarray(solid.mesh.vertices, dtype=np.float64) - solid.pose.position) @ turn
+    low, high = local.min(axis=0), local.max(axis=0)
+    middle, half = (low + high) / 2, (high - low) / 2
+    faces = np.asarray(solid.mesh.faces)
+    cell = float(2 * half.max()) / CELLS
+    stored = cache.cached(
+        "contact_shape",
+        lambda: _measured(local - middle, faces, cell),
+        arguments={"cell": cell, "rim": RIM},
+        arrays=[local, faces],
+        sources=[__file__, distance.__file__, winding.__file__, scatter.__file__],
+        packages=("numpy", "scipy", "trimesh"),
+    )
+    features = Features()
+    for point in stored["points"]:
+        features.add(POINT, point)
+    origin = solid.pose.position + turn @ middle
+    grid = Grid(stored["low"], cell, stored["values"])
+    bounds = np.array([-half, half])
+    return ContactShape(GRID, np.full(3, scale), features, origin, turn, bounds, grid, hollow)
+
+
+def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arrays:
+    """Distances around a mesh on a grid, and points of its surface: all vertices of its convex hull, which are what
+    touches planes, and samples a cell apart of all else, sharp edges first."""
+    import trimesh
+
+    from sim.geometry.edges import behind_edges
+
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    low = vertices.min(axis=0) - RIM * cell
+    shape = tuple(int(n) for n in np.ceil((vertices.max(axis=0) + RIM * cell - low) / cell) + 1)
+    axes = [low[axis] + cell * np.arange(shape[axis]) for axis in range(3)]
+    corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    away = distance.MeshDistance(mesh).unsigned(corners).reshape(shape)
+    inside = winding.WindingNumber(mesh).on_lattice(low, cell, shape) > 0
+    hull = mesh.convex_hull.vertices if len(vertices) > 4 else vertices
+    edges = behind_edges(mesh, cell, 1e-9 * cell)
+    surface, _, _ = distance.cover(vertices[faces], int(mesh.area / cell**2))
+    points = np.concatenate((hull, edges, vertices, surface))
+    kept = scatter.first_come(points[len(hull) :], 0.7 * cell)
+    points = np.concatenate((hull, points[len(hull) :][kept]))
+    return {"values": np.where(inside, -away, away).astype(np.float32), "low": low, "points": points}

@@ -1,0 +1,19 @@
+"""Types of the rigid bodies' arrays: always of double precision, as there are few bodies and contacts need it.
+
+Constants in kernels have to be exact in single precision, and sums have to begin as one of these types: Taichi takes
+`0.0` for a number of single precision.
+"""
+
+import taichi as ti
+
+vec2 = ti.types.vector(2, ti.f64)
+vec3 = ti.types.vector(3, ti.f64)
+vec4 = ti.types.vector(4, ti.f64)
+mat3 = ti.types.matrix(3, 3, ti.f64)
+
+Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)
+Integers = ti.types.ndarray(dtype=ti.i32, ndim=1)
+Vectors = ti.types.ndarray(dtype=vec3, ndim=1)
+Quaternions = ti.types.ndarray(dtype=vec4, ndim=1)
+Matrices = ti.types.ndarray(dtype=mat3, ndim=1)
+Singles = ti.types.ndarray(dtype=ti.f32, ndim=1)
