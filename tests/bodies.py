@@ -1,0 +1,67 @@
+"""Rigid bodies of a scene, stepped without files: what tests of their physics share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from sim.rigid.part import RigidPart
+
+G = 9.81
+
+
+def box(size: tuple[float, float, float], **body: Any) -> dict[str, Any]:
+    return {"motion": "dynamic", "shape": {"type": "box", "size": size}, **body}
+
+
+def ball(radius: float, **body: Any) -> dict[str, Any]:
+    return {"motion": "dynamic", "shape": {"type": "sphere", "radius": radius}, **body}
+
+
+def ground(slope: float = 0.0, **surface: Any) -> dict[str, Any]:
+    """A plane through the origin that falls towards +x by `slope` [rad]."""
+    return {"shape": {"type": "plane", "normal": [np.sin(slope), np.cos(slope), 0]}, **surface}
+
+
+def turn(axis: tuple[float, float, float], radians: float) -> list[dict[str, Any]]:
+    return [{"axis": axis, "angle": float(np.degrees(radians))}]
+
+
+def part(bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), **rigid: Any) -> RigidPart:
+    """The bodies, in the order given but for planes, which come last."""
+    from sim import runtime
+
+    runtime.start(threads=2, arch="cpu")
+    from sim.obstacles import find_obstacles
+    from sim.rigid.assemble import assemble
+    from sim.rigid.body import RigidState
+    from sim.rigid.part import RigidPart
+    from sim.spec import SimulationSpec
+
+    spec = SimulationSpec.model_validate({"gravity": gravity, "fps": 24, "rigid": {"bodies": bodies, **rigid}})
+    made = assemble(spec, find_obstacles(spec, Path()))
+    return RigidPart(made, np.array(gravity), spec.rigid, RigidState())
+
+
+def step(part: RigidPart, seconds: float, each: Callable[[float], None] | None = None, dt: float | None = None) -> int:
+    """Step for a time [s], by `dt` [s] or as long as limits allow; calls `each` with the time; returns the number."""
+    time, steps = 0.0, 0
+    while time < seconds - 1e-12:
+        longest = dt or min(part.step_limits(part.measure()).values())
+        now = min(longest, seconds - time)
+        part.advance(now, {})
+        time += now
+        steps += 1
+        if each:
+            each(time)
+    return steps
+
+
+def tilt(part: RigidPart, index: int = 0) -> float:
+    """The angle [rad] between a body's own y axis and the vertical."""
+    axis = part.movement(index).rotation @ part.bodies[index].shape.turn @ np.array([0.0, 1.0, 0.0])
+    return float(np.arccos(np.clip(axis[1], -1, 1)))

@@ -1,0 +1,93 @@
+"""Contacts of pairs of bodies where closed forms tell them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.bodies import ball, box, part, turn
+
+
+def contacts(bodies: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places [m], normals and gaps [m] of the contacts of two bodies."""
+    found = part(bodies, gravity=(0, 0, 0))
+    found.velocity[:] = 0
+    count = found._find(0.001)
+    tables = found._tables
+    return tables.table["place"][:count], tables.table["normal"][:count], tables.gap[:count]
+
+
+def test_two_balls():
+    places, normals, gaps = contacts({"a": ball(0.1), "b": ball(0.2, position=[0, 0.2999, 0])})
+    assert places == pytest.approx(np.array([[0, 0.1 - 0.00005, 0]]), abs=1e-12)
+    assert normals == pytest.approx(np.array([[0, -1, 0]]), abs=1e-12)
+    assert gaps == pytest.approx([-0.0001], abs=1e-12)
+
+
+def test_a_ball_on_a_box():
+    places, normals, gaps = contacts({"a": ball(0.1, position=[0.03, 0.2, 0]), "b": box((0.4, 0.2, 0.4))})
+    assert places == pytest.approx(np.array([[0.03, 0.1, 0]]), abs=1e-12)
+    assert normals == pytest.approx(np.array([[0, 1, 0]]), abs=1e-12)
+    assert gaps == pytest.approx([0], abs=1e-12)
+
+
+def test_faces_of_boxes_meet_in_the_corners_of_what_they_share():
+    places, normals, gaps = contacts({"a": box((0.2, 0.2, 0.2)), "b": box((1, 0.2, 0.1), position=[0.4, -0.2, 0])})
+    assert {(round(x, 9), round(z, 9)) for x, _, z in places} == {
+        (-0.1, -0.05),
+        (-0.1, 0.05),
+        (0.1, -0.05),
+        (0.1, 0.05),
+    }
+    assert normals == pytest.approx(np.tile([0, 1, 0], (4, 1)))
+    assert gaps == pytest.approx(np.zeros(4), abs=1e-12)
+
+
+def test_a_box_turned_on_another_has_four_contacts_that_surround_its_middle():
+    turned = box((0.2, 0.2, 0.2), position=[0, 0.2, 0], rotation=turn((0, 1, 0), np.pi / 4))
+    places, _, gaps = contacts({"a": turned, "b": box((0.2, 0.2, 0.2))})
+    assert len(gaps) == 4
+    assert places.mean(axis=0) == pytest.approx([0, 0.1, 0], abs=0.02)
+    assert np.ptp(places[:, 0]) > 0.15 and np.ptp(places[:, 2]) > 0.15
+
+
+def test_edges_of_boxes_cross_in_one_point():
+    tilted = turn((0, 0, 1), np.pi / 4)
+    upper = [{"axis": (1, 0, 0), "angle": 45}]
+    height = 0.2 / np.sqrt(2)
+    places, normals, gaps = contacts(
+        {
+            "a": box((0.6, 0.2, 0.2), position=[0.05, 2 * height, 0], rotation=upper),
+            "b": box((0.2, 0.2, 0.6), position=[0, 0, 0.03], rotation=tilted),
+        }
+    )
+    assert places == pytest.approx(np.array([[0, height, 0]]), abs=1e-9)
+    assert normals == pytest.approx(np.array([[0, 1, 0]]), abs=1e-9)
+    assert gaps == pytest.approx([0], abs=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.0])
+def test_the_rim_of_a_cylinder_touches_with_its_lowest_point(angle):
+    """A cylinder tilted by an angle reaches R sin(angle) + H/2 cos(angle) below its centre."""
+    depth = 0.1 * np.sin(angle) + 0.15 * np.cos(angle)
+    cylinder = {"motion": "dynamic", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.3}}
+    floor = {"shape": {"type": "plane"}}
+    _, normals, gaps = contacts(
+        {"a": {**cylinder, "rotation": turn((0.6, 0, 0.8), angle), "position": [0, depth, 0]}, "floor": floor}
+    )
+    assert gaps.min() == pytest.approx(0, abs=1e-9)
+    assert normals == pytest.approx(np.tile([0, 1, 0], (len(gaps), 1)))
+    assert len(gaps) >= 3 if angle == 0 else len(gaps) == 1
+
+
+def test_a_capsule_across_another_touches_in_one_point():
+    capsule = {"motion": "dynamic", "shape": {"type": "capsule", "radius": 0.1, "height": 0.6}}
+    places, normals, gaps = contacts(
+        {
+            "a": {**capsule, "rotation": turn((1, 0, 0), np.pi / 2), "position": [0.07, 0.2, 0.04]},
+            "b": {**capsule, "rotation": turn((0, 0, 1), np.pi / 2)},
+        }
+    )
+    assert places == pytest.approx(np.array([[0.07, 0.1, 0]]), abs=1e-6)
+    assert normals == pytest.approx(np.array([[0, 1, 0]]), abs=1e-6)
+    assert gaps == pytest.approx([0], abs=1e-9)

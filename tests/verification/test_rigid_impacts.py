@@ -1,0 +1,92 @@
+"""Bounces: heights, momentum, energy, and what passes from body to body."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.bodies import ball, box, ground, part, step
+
+BODIES = {
+    "ball": ball(0.1),
+    "box": box((0.2, 0.2, 0.2)),
+    "capsule": {"motion": "dynamic", "shape": {"type": "capsule", "radius": 0.1, "height": 0.2}},
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "restitution"), [("ball", 0.5), ("ball", 0.8), ("ball", 1.0), ("box", 0.5), ("capsule", 0.8)]
+)
+def test_bounces_are_as_high_as_they_should_be(name, restitution):
+    """e^2n h, each the same from one bounce to the next."""
+    drop = 1.0
+    surface = {"restitution": restitution}
+    below = 0.2 if name == "capsule" else 0.1
+    bodies = part({name: {**BODIES[name], "position": [0, drop + below, 0], **surface}, "floor": ground(**surface)})
+    tops, before = [], [0.0, -1.0]
+
+    def look(time: float) -> None:
+        height, speed = bodies.position[0, 1], bodies.velocity[0, 1]
+        if before[1] > 0 >= speed:
+            tops.append(max(height, before[0]) - below)
+        before[:] = height, speed
+
+    step(bodies, 2.2, look)
+    expected = [drop * restitution ** (2 * n) for n in range(1, 4 if restitution < 1 else 3)]
+    assert tops[: len(expected)] == pytest.approx(expected, rel=0.01)
+
+
+def test_a_box_that_lands_flat_bounces_flat():
+    bodies = part({"box": box((0.3, 0.1, 0.2), position=[0, 0.5, 0], restitution=0.7), "floor": ground()})
+    step(bodies, 0.5)
+    assert np.abs(bodies.spin).max() < 1e-6
+
+
+@pytest.mark.parametrize(("moving", "gap"), [(1, 0.0), (1, 1e-3), (2, 0.0), (3, 1e-3)])
+def test_as_many_balls_leave_newtons_cradle_as_arrive(moving, gap):
+    balls = {
+        f"ball{k}": ball(
+            0.1,
+            position=[k * (0.2 + gap) - (0.3 if k < moving else 0), 0, 0],
+            velocity=[1.0 if k < moving else 0.0, 0, 0],
+            friction=0,
+            restitution=1,
+        )
+        for k in range(5)
+    }
+    bodies = part(balls, gravity=(0, 0, 0))
+    momentum = bodies.measure().momentum.copy()
+    step(bodies, 0.5)
+    assert bodies.measure().momentum == pytest.approx(momentum, rel=1e-4, abs=1e-9)
+    assert bodies.velocity[:, 0] == pytest.approx([0.0] * (5 - moving) + [1.0] * moving, abs=1e-4)
+
+
+def test_two_bodies_that_collide_keep_momentum_of_both_kinds():
+    """Linear and angular about the origin, off-centre and with friction; energy is lost, not gained."""
+    rod = box((1.0, 0.1, 0.1), velocity=[0.5, 0, 0])
+    bodies = part({"rod": rod, "ball": ball(0.1, position=[0.4, 0.5, 0], velocity=[0, -2, 0.3])}, gravity=(0, 0, 0))
+
+    def momenta() -> np.ndarray:
+        mass = bodies.mass[:, None]
+        angular = bodies.momentum + np.cross(bodies.position, mass * bodies.velocity)
+        return np.concatenate(((mass * bodies.velocity).sum(axis=0), angular.sum(axis=0)))
+
+    before, energy = momenta(), bodies.measure().kinetic_energy
+    step(bodies, 0.5)
+    assert abs(bodies.spin[0, 2]) > 0.1
+    assert momenta() == pytest.approx(before, rel=1e-5, abs=1e-5 * np.abs(before).max())
+    assert bodies.measure().kinetic_energy < energy
+
+
+@pytest.mark.parametrize("name", ["ball", "box"])
+def test_nothing_passes_through_a_thin_wall(name):
+    """A small body at 50 m/s, a hundred times its own size in one step of 20 ms."""
+    small = {"ball": ball(0.005), "box": box((0.01, 0.01, 0.01))}[name]
+    small |= {"position": [-0.1, 0, 0], "velocity": [50, 3, 1], "angular_velocity": [20, 30, 40]}
+    wall = {"shape": {"type": "box", "size": [0.001, 1, 1]}}
+    bodies = part({"small": small, "wall": wall}, gravity=(0, 0, 0))
+    step(bodies, 0.02)
+    assert bodies.position[0, 0] < 0
+    bodies = part({"small": small, "wall": wall}, gravity=(0, 0, 0))
+    step(bodies, 0.02, dt=0.02)
+    assert bodies.position[0, 0] < 0
