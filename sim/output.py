@@ -61,7 +61,7 @@ class Output:
 
     def _rigid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
         self._contact_statistics: tuple[str, ...] = ()
-        if not has_dynamic_bodies(spec):
+        if not spec.has_dynamic_bodies():
             return ()
         from sim.rigid.part import STATISTICS
 
@@ -144,13 +144,6 @@ class Output:
             mesh = item.solid.mesh
             centre = np.zeros(3) if item.hollow else item.centre
             write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces)
-
-
-def has_dynamic_bodies(spec: SimulationSpec) -> bool:
-    """Whether any body obeys forces, at any time."""
-    groups = [spec.rigid.bodies] if spec.rigid else []
-    groups += [event.add.rigid for event in spec.events]
-    return any(body.motion == "dynamic" for bodies in groups for body in bodies.values())
 
 
 def _body_state(item: Obstacle, time: float) -> list[float]:

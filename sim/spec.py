@@ -194,6 +194,12 @@ class SimulationSpec(Settings):
             names += event.add.names()
         return names
 
+    def has_dynamic_bodies(self) -> bool:
+        """Whether any body obeys forces, at any time."""
+        groups = [self.rigid.bodies] if self.rigid else []
+        groups += [event.add.rigid for event in self.events]
+        return any(body.motion == "dynamic" for bodies in groups for body in bodies.values())
+
     def placements(self) -> list[tuple[tuple[str | int, ...], Any]]:
         """Every body with a shape, with its path in the scene."""
         found: list[tuple[tuple[str | int, ...], Any]] = []

@@ -7,7 +7,7 @@ from typing import Any
 from sim.events import apply
 from sim.rigid.spec import RigidBody
 from sim.settings import Refused
-from sim.spec import SimulationSpec
+from sim.spec import BoxContainer, SimulationSpec
 
 
 def refuse_unsupported(spec: SimulationSpec) -> None:
@@ -46,6 +46,10 @@ def _refuse_settings(spec: SimulationSpec) -> None:
                 location=(*location, "motion"),
                 remedy="use motion: static or prescribed, or a scene without fluid",
             )
+        held = spec.fluid is not None or spec.has_dynamic_bodies()
+        if group == "containers" and not isinstance(body, BoxContainer) and not held:
+            message = "a mesh container without fluid or dynamic bodies holds nothing"
+            raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
     for name, probe in spec.probes.items():
         if probe.type == "vertex":
             raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")
