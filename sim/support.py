@@ -40,12 +40,6 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         group = location[-2] if location[0] == "events" else location[0]
         if group == "cloth":
             raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
-        if group == "rigid" and body.motion == "dynamic" and spec.fluid is not None:
-            raise Refused(
-                "rigid bodies with motion 'dynamic' are not simulated together with fluid yet",
-                location=(*location, "motion"),
-                remedy="use motion: static or prescribed, or a scene without fluid",
-            )
         held = spec.fluid is not None or spec.has_dynamic_bodies()
         if group == "containers" and not isinstance(body, BoxContainer) and not held:
             message = "a mesh container without fluid or dynamic bodies holds nothing"

@@ -16,6 +16,7 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.coupling.floating import Floating
     from sim.fluid.drains import Sink
     from sim.fluid.emitters import Outlet
     from sim.fluid.flow import Flow
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
     from sim.rigid.body import RigidState
+    from sim.rigid.movement import Movement
     from sim.rigid.part import RigidPart
 
 COARSEST = 0.01
@@ -77,6 +79,7 @@ class World:
         self.fluid: FluidPart | None = None
         self.flow: Flow | None = None
         self.rigid: RigidPart | None = None
+        self.floating: Floating | None = None
         self._rigid_state = rigid_state
         if rigid_state is not None:
             self._put_back(rigid_state)
@@ -153,9 +156,19 @@ class World:
         )
         self._aim(time)
         self.fluid.system.boundary.move()
+        if self.rigid:
+            self._couple()
         if self.outlets or self.sinks:
             self.flow = self.fluid.system.flow = self._build_flow(counts, warn)
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
+
+    def _couple(self) -> None:
+        """Let fluid and dynamic bodies move each other."""
+        from sim.coupling.floating import Floating
+
+        moving = [index for index, item in enumerate(self.obstacles.placed) if item.motion]
+        rows = {index: moving.index(index) for index in self.obstacles.dynamic}
+        self.floating = self.fluid.system.bodies = Floating(self.rigid, self.fluid.system, rows, self.origin)
 
     def _put_back(self, state: RigidState) -> None:
         """Stand dynamic bodies where they were."""
@@ -171,8 +184,7 @@ class World:
 
         bodies = assemble(self.spec, self.obstacles)
         self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, self._rigid_state or RigidState())
-        for index, item in self.obstacles.dynamic.items():
-            item.motion.now = self.rigid.movement(index)
+        self._follow()
 
     def step_limit(self, measure: Measure | None) -> float:
         """Largest stable time step [s]; infinite where nothing moves."""
@@ -223,21 +235,28 @@ class World:
 
     def advance(self, dt: float, until: float) -> dict[str, float]:
         """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
-        told = self._advance_rigid(dt, until) if self.rigid else {}
+        prescribed = self.obstacles.prescribed if self.rigid else {}
+        moved = {index: item.movement(until) for index, item in prescribed.items()}
+        together = self.fluid and self.fluid.count and self.rigid
+        told = self.rigid.advance(dt, moved) if self.rigid and not together else {}
         if self.fluid:
-            told |= self._advance_fluid(dt, until)
+            told |= self._advance_fluid(dt, until, moved)
+        if self.rigid:
+            self._follow()
         self.time = until
         return told
 
-    def _advance_rigid(self, dt: float, until: float) -> dict[str, float]:
-        moved = {index: item.movement(until) for index, item in self.obstacles.prescribed.items()}
-        told = self.rigid.advance(dt, moved)
+    def _follow(self) -> None:
+        """Keep the motions of dynamic bodies up to date."""
         for index, item in self.obstacles.dynamic.items():
             item.motion.now = self.rigid.movement(index)
-        return told
 
-    def _advance_fluid(self, dt: float, until: float) -> dict[str, float]:
+    def _advance_fluid(self, dt: float, until: float, moved: dict[int, Movement]) -> dict[str, float]:
+        if self.rigid and not self.fluid.count:
+            self._follow()
         self._aim(until)
+        if self.floating:
+            self.floating.begin(self.fluid.system.boundary.motions, moved)
         if self.flow:
             self.flow.time = self.time
         if self.fluid.count:

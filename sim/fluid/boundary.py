@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import taichi as ti
 
@@ -9,6 +11,9 @@ from sim.arrays import numpy_real, vec4
 from sim.fluid.calibration import sample_weight
 from sim.fluid.kernel import cubic_host
 from sim.neighbors import NeighborList, StaticGrid
+
+if TYPE_CHECKING:
+    from sim.fluid.moving import MovingSamples
 
 
 class Boundary:
@@ -49,34 +54,35 @@ class Boundary:
         self.velocity = ti.ndarray(vec4, self.count if self.moves else 1)
         self.velocity.fill(0)
         self.neighbors = NeighborList(48)
+        self.moving: MovingSamples | None = None
         if self.moves:
             from sim.fluid.moving import MovingSamples
 
             arms = [points[group] - pivots[index] for index, group in zip(pivots, groups[1:], strict=True)]
             body = np.repeat(np.arange(len(pivots)), [len(group) for group in groups[1:]])
-            self._moving = MovingSamples(
+            self.moving = MovingSamples(
                 self.standing, np.concatenate(arms), body, self.volumes[self.standing :], search_radius
             )
 
     def aim(self, motions: np.ndarray) -> None:
         """Say how bodies will have moved after the next `move`: a row of MOTION numbers for each, in the order of the
         pivots, relative to the world's origin."""
-        self._motions = motions
+        self.motions = motions
 
     def move(self) -> None:
         """Bring the samples that move to where they were aimed at; neighbours are to be listed anew."""
         if self.moves:
-            self._moving.move(self._motions, self.samples, self.velocity)
-            self.speed = self._moving.fastest(self._motions)
+            self.moving.move(self.motions, self.samples, self.velocity)
+            self.speed = self.moving.fastest(self.motions)
 
     def find_neighbors(self, position: ti.Ndarray, count: int) -> None:
         """List the samples near each of `count` particles."""
         if self.standing:
             self.neighbors.build(position, count, self.grid, self.samples, same=False)
         if self.moves and count:
-            self._moving.find(position, count)
+            self.moving.find(position, count)
             self.neighbors.reserve(count)
-            longest = self._moving.append(count, self.neighbors, fresh=not self.standing)
+            longest = self.moving.append(count, self.neighbors, fresh=not self.standing)
             if longest > self.neighbors.capacity:
                 self.neighbors.grow(longest)
                 self.find_neighbors(position, count)
@@ -93,7 +99,7 @@ class Boundary:
     def bytes(self) -> int:
         table = 4 * np.dtype(numpy_real).itemsize * self.count
         own = table + self.grid.bytes + self.neighbors.bytes
-        return own + (table + self._moving.bytes if self.moves else 0)
+        return own + (table + self.moving.bytes if self.moves else 0)
 
 
 def sample_volumes(points: np.ndarray, support_radius: float) -> np.ndarray:

@@ -13,6 +13,7 @@ Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm
 
 from dataclasses import dataclass
 
+import numpy as np
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
@@ -33,6 +34,8 @@ ROWS = 1024
 ROW = 16
 """Particles in a range on a GPU, which has that many threads; these are summed over GROUPS ranges of them first."""
 GROUPS = 256
+WHOLE, PUSH, DESCEND = range(3)
+"""Parts of an iteration: all of it, or what comes before and after bodies answer the pressures of the trial."""
 
 
 @dataclass(frozen=True)
@@ -53,13 +56,16 @@ class ConjugateGradients:
         self.worst = WORST * system.spec.rest_density
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
+        self.pressed: tuple[np.ndarray, np.ndarray]
+        """Of the last solve, the wrenches on bodies that the fluid moves, and their answers (`sim.fluid.reaction`)."""
 
-    def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool) -> Solution:
+    def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool, ahead: float) -> Solution:
         """Find pressures that leave no more than `tolerance` [kg/m^3] of mean compression, and push by them: their
         accelerations are in kept.
 
         fewest, most: iterations; with fewest = 0 none are made, and kept is not written, where nothing need be done.
         warm: begin with the pressures in position.w and leave the new ones there; else position.w stays as it is.
+        ahead: solids press on particles where these will be then [s].
         """
         system, particles = self.system, self.system.particles
         if fewest == 0:
@@ -81,30 +87,16 @@ class ConjugateGradients:
             self._sums,
         )
         for iteration in range(1, most + 1):
-            mean, worst = _iterate(
-                system.count,
-                self._rows,
-                self._grouped,
-                dt,
-                system.h,
-                system.mass,
-                iteration == 1,
-                particles.position,
-                particles.push,
-                particles.kept,
-                particles.search,
-                particles.solid,
-                particles.diagonal,
-                particles.source,
-                system.neighbors.size,
-                system.neighbors.index,
-                system.walls.count,
-                system.walls.fit,
-                system.walls.planes,
-                self._sums,
-            )
+            if system.bodies:
+                self._iterate(PUSH, dt, first=iteration == 1)
+                system.bodies.reaction.answer(ahead)
+                mean, worst = self._iterate(DESCEND, dt, first=iteration == 1)
+            else:
+                mean, worst = self._iterate(WHOLE, dt, first=iteration == 1)
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
+        if system.bodies:
+            self.pressed = system.bodies.reaction.pressed(ahead)
         push = _finish(
             system.count,
             dt,
@@ -117,6 +109,33 @@ class ConjugateGradients:
             particles.acceleration,
         )
         return Solution(iteration, dt * dt * push, mean > tolerance or worst > self.worst)
+
+    def _iterate(self, part: int, dt: float, *, first: bool) -> tuple[float, float]:
+        system, particles = self.system, self.system.particles
+        mean, worst = _iterate(
+            part,
+            system.count,
+            self._rows,
+            self._grouped,
+            dt,
+            system.h,
+            system.mass,
+            first,
+            particles.position,
+            particles.push,
+            particles.kept,
+            particles.search,
+            particles.solid,
+            particles.diagonal,
+            particles.source,
+            system.neighbors.size,
+            system.neighbors.index,
+            system.walls.count,
+            system.walls.fit,
+            system.walls.planes,
+            self._sums,
+        )
+        return mean, worst
 
     def compression(self) -> tuple[float, float]:
         """Mean and maximum of what is compressed without further pressure [kg/m^3]."""
@@ -222,6 +241,7 @@ def _begin(
 
 @ti.kernel
 def _iterate(
+    part: ti.template(),
     count: ti.i32,
     rows: ti.i32,
     grouped: ti.template(),
@@ -249,82 +269,87 @@ def _iterate(
     strength = mass * 8.0 / ti.math.pi * inverse_h**5
     # The last row has the conjugacy of directions and the share of the trial step.
     last = sums.shape[0] - 1
-    for i in range(count):
-        if first == 0:
-            q, left = search[i].x, kept[i].w
-            downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
-            position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
-    for i in range(count):
-        a = pressure_sum(i, position, size, index, inverse_h)
-        a = strength * a - position[i].w * solid[i].xyz
-        if solid[i].w > 0.0:
-            a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
-        push[i].xyz = a
-    for row in range(rows):
-        gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        within = span(row, rows, count)
-        for i in range(within[0], within[1]):
-            x, a = position[i], push[i].xyz
-            change = ti.cast(0.0, real)
-            for k in range(padded(size[i])):
-                j = index[i, k]
-                d = x.xyz - position[j].xyz
-                change += cubic_slope(d.norm() * inverse_h) * d.dot(a - push[j].xyz)
-            left = source[i] + dt2 * (strength * change + a.dot(solid[i].xyz))
-            push[i].w = left
-            step = x.w - search[i].x
-            gain += step * kept[i].w
-            bend += step * (kept[i].w - left)
-        sums[row, 0] = gain
-        sums[row, 1] = bend
-    if ti.static(grouped):
-        for group in range(GROUPS):
-            _add(sums, 2, group, rows)
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        share = _share(sums, grouped, rows)
-        # The first pressures are taken whole where that lowers the energy at all.
-        sums[last, 1] = ti.select(first != 0 and share > 0.5, 1.0, share)
-    for row in range(rows):
-        error, across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        worst = ti.cast(0.0, real)
-        share = ti.cast(sums[last, 1], real)
-        within = span(row, rows, count)
-        for i in range(within[0], within[1]):
-            step = share * (position[i].w - search[i].x)
-            change = share * (push[i] - kept[i])
-            kept[i] += change
-            search[i].x += step
-            search[i].y = step
-            q, left = search[i].x, kept[i].w
-            downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
-            across += downhill * change.w
-            along += step * change.w
-            error += ti.max(left, 0.0)
-            worst = ti.max(worst, left)
-        sums[row, 0] = across
-        sums[row, 1] = along
-        sums[row, 2] = error
-        sums[row, 3] = worst
-    if ti.static(grouped):
-        for group in range(GROUPS):
-            _add(sums, 3, group, rows)
-            worst = ti.cast(0.0, ti.f64)
-            within = span(group, GROUPS, rows)
-            for row in range(within[0], within[1]):
-                worst = ti.max(worst, sums[row, 3])
-            sums[rows + group, 3] = worst
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        within = _summands(grouped, rows)
-        for row in range(within[0], within[1]):
-            across += sums[row, 0]
-            along += sums[row, 1]
-            total += sums[row, 2]
-            peak = ti.max(peak, sums[row, 3])
-        sums[last, 0] = ti.select(along < 0.0, ti.max(-across / along, 0.0), 0.0)
+    if ti.static(part != DESCEND):
+        for i in range(count):
+            if first == 0:
+                q, left = search[i].x, kept[i].w
+                downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
+                position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
+        for i in range(count):
+            a = pressure_sum(i, position, size, index, inverse_h)
+            a = strength * a - position[i].w * solid[i].xyz
+            if solid[i].w > 0.0:
+                a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
+            push[i].xyz = a
+    if ti.static(part != PUSH):
+        for row in range(rows):
+            gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            within = span(row, rows, count)
+            for i in range(within[0], within[1]):
+                x, a = position[i], push[i].xyz
+                change = ti.cast(0.0, real)
+                for k in range(padded(size[i])):
+                    j = index[i, k]
+                    d = x.xyz - position[j].xyz
+                    change += cubic_slope(d.norm() * inverse_h) * d.dot(a - push[j].xyz)
+                change = strength * change + a.dot(solid[i].xyz)
+                if ti.static(part == DESCEND):
+                    change -= push[i].w
+                left = source[i] + dt2 * change
+                push[i].w = left
+                step = x.w - search[i].x
+                gain += step * kept[i].w
+                bend += step * (kept[i].w - left)
+            sums[row, 0] = gain
+            sums[row, 1] = bend
+        if ti.static(grouped):
+            for group in range(GROUPS):
+                _add(sums, 2, group, rows)
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            share = _share(sums, grouped, rows)
+            # The first pressures are taken whole where that lowers the energy at all.
+            sums[last, 1] = ti.select(first != 0 and share > 0.5, 1.0, share)
+        for row in range(rows):
+            error, across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            worst = ti.cast(0.0, real)
+            share = ti.cast(sums[last, 1], real)
+            within = span(row, rows, count)
+            for i in range(within[0], within[1]):
+                step = share * (position[i].w - search[i].x)
+                change = share * (push[i] - kept[i])
+                kept[i] += change
+                search[i].x += step
+                search[i].y = step
+                q, left = search[i].x, kept[i].w
+                downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
+                across += downhill * change.w
+                along += step * change.w
+                error += ti.max(left, 0.0)
+                worst = ti.max(worst, left)
+            sums[row, 0] = across
+            sums[row, 1] = along
+            sums[row, 2] = error
+            sums[row, 3] = worst
+        if ti.static(grouped):
+            for group in range(GROUPS):
+                _add(sums, 3, group, rows)
+                worst = ti.cast(0.0, ti.f64)
+                within = span(group, GROUPS, rows)
+                for row in range(within[0], within[1]):
+                    worst = ti.max(worst, sums[row, 3])
+                sums[rows + group, 3] = worst
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            across, along = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            within = _summands(grouped, rows)
+            for row in range(within[0], within[1]):
+                across += sums[row, 0]
+                along += sums[row, 1]
+                total += sums[row, 2]
+                peak = ti.max(peak, sums[row, 3])
+            sums[last, 0] = ti.select(along < 0.0, ti.max(-across / along, 0.0), 0.0)
     return ti.Vector([total / count, peak])
 
 

@@ -24,8 +24,10 @@ class Dfsph(Iisph):
             return told
         particles, settings = self.system.particles, self.settings
         tolerance = settings.divergence_error * self.system.spec.rest_density
-        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False)
+        solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False, ahead=0.0)
         if solution.iterations:
+            if self.system.bodies:
+                self.system.bodies.kick(dt, self.gradients.pressed[0])
             self.system.lead()
             self.examine(dt)
             if self.system.boundary.count:

@@ -50,7 +50,13 @@ class Iisph(Incompressible):
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance = settings.density_error * system.spec.rest_density
         self.projection.predict(dt)
-        solution = self.gradients.solve(dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True)
+        if system.bodies:
+            system.bodies.reaction.expect(dt, system.bodies.expected)
+        solution = self.gradients.solve(
+            dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True, ahead=dt
+        )
+        if system.bodies:
+            system.bodies.take(dt, *self.gradients.pressed)
         if system.boundary.count:
             remember_way(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
@@ -68,13 +74,17 @@ class Iisph(Incompressible):
             mean, worst = self.gradients.compression()
             if mean > max(tolerance, LESS * last):
                 kick(self.system.count, -dt, self.system.particles.velocity, self.system.particles.kept)
+                if self.system.bodies:
+                    self.system.bodies.undo(dt)
                 self._take(dt, -1.0)
                 break
             if mean <= tolerance and worst <= self.gradients.worst:
                 break
             last = mean
-            solution = self.gradients.solve(dt, tolerance, 1, most - iterations, warm=False)
+            solution = self.gradients.solve(dt, tolerance, 1, most - iterations, warm=False, ahead=dt)
             self._take(dt, 1.0)
+            if self.system.bodies:
+                self.system.bodies.take(dt, *self.gradients.pressed)
             iterations, capped = iterations + solution.iterations, solution.capped
         return {"pressure_iterations": iterations, "capped": capped}
 

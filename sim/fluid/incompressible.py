@@ -64,8 +64,12 @@ class Incompressible:
         """
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
+        if system.bodies:
+            system.bodies.hear(self.momentum)
         system.lead()
         kick(system.count, dt, particles.velocity, particles.acceleration)
+        if system.bodies:
+            system.bodies.foresee(dt)
         system.boundary.move()
         told = self.mixing.mix(dt)
         system.lead()
@@ -73,6 +77,9 @@ class Incompressible:
         told |= self.press(dt)
         told["capped"] += mixing_capped
         system.lead()
+        if system.bodies:
+            told |= system.bodies.settle(dt)
+            system.boundary.move()
         _move(system.count, dt, particles.position, particles.velocity)
         system.exchange(dt)
         system.find_neighbors()

@@ -51,6 +51,8 @@ class Momentum:
         solids = system.walls.count > 0 or system.boundary.count > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
+        self.adhesion = next((force.samples for force in self._added if hasattr(force, "samples")), 0.0)
+        """Strength against samples, as `sim.fluid.adhesion` has it."""
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
                 spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density

@@ -31,7 +31,7 @@ class MovingSamples:
         self._body = ti.ndarray(ti.i32, self.count)
         self._body.from_numpy(body.astype(np.int32))
         self._motions = ti.ndarray(ti.f64, (bodies, MOTION))
-        self._here = ti.ndarray(vec4, self.count)
+        self.here = ti.ndarray(vec4, self.count)
         self._sorted = ti.ndarray(vec4, self.count)
 
     def fastest(self, motions: np.ndarray) -> float:
@@ -42,11 +42,11 @@ class MovingSamples:
     def move(self, motions: np.ndarray, samples: ti.Ndarray, velocity: ti.Ndarray) -> None:
         """Write positions [m] with volumes, and velocities [m/s]; motions of all bodies, shape [bodies, MOTION]."""
         self._motions.from_numpy(motions)
-        _move(self.count, self.first, self._arms, self._body, self._motions, self._here, samples, velocity)
+        _move(self.count, self.first, self._arms, self._body, self._motions, self.here, samples, velocity)
 
     def find(self, position: ti.Ndarray, count: int) -> None:
         """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
-        _arrange(self.count, self.grid.sort(self._here, self.count), self._here, self._sorted)
+        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self._sorted)
         self.near.build(position, count, self.grid, self._sorted, same=False)
 
     def append(self, count: int, lists: NeighborList, *, fresh: bool) -> int:

@@ -1,7 +1,7 @@
 """The fluid's particles and their surroundings: what every pressure solver shares."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import taichi as ti
@@ -13,6 +13,10 @@ from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.walls import Walls, wall_depth
 from sim.neighbors import HashGrid, NeighborList
+
+if TYPE_CHECKING:
+    from sim.fluid.momentum import Momentum
+    from sim.fluid.reaction import Reaction
 
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
@@ -50,6 +54,41 @@ class Exchange(Protocol):
     def lead(self) -> None: ...
 
     def exchange(self, dt: float) -> bool: ...
+
+
+class Bodies(Protocol):
+    """Bodies that the fluid moves, as solvers talk with them in the course of a step dt [s].
+
+    Wrenches and answers to them are those of `sim.fluid.reaction`.
+    """
+
+    reaction: "Reaction"
+    expected: np.ndarray
+    """Answers to the pressures of the last step, with which bodies have been foreseen."""
+
+    def hear(self, momentum: "Momentum") -> None:
+        """Note the forces that positions and velocities give, to act in the step."""
+
+    def foresee(self, dt: float) -> None:
+        """Aim where bodies will be after the step, by what is known before its pressures."""
+
+    def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
+        """Take pressures that act in the step, and move samples to where they take the bodies."""
+
+    def undo(self, dt: float) -> None:
+        """Take back what was taken last."""
+
+    def settle(self, dt: float) -> dict[str, float]:
+        """Make the step with what was noted and taken, and aim where bodies are then; returns its statistics."""
+
+    def kick(self, dt: float, wrench: np.ndarray) -> None:
+        """Change velocities by a wrench for the whole step at once."""
+
+    def drift(self, dt: float) -> dict[str, float]:
+        """Make the step with half of the last forces, and aim where bodies are then; returns its statistics."""
+
+    def strike(self, dt: float, momentum: "Momentum") -> None:
+        """Change velocities by half of the forces that positions and velocities give now, and remember them."""
 
 
 class FluidSystem:
@@ -90,6 +129,7 @@ class FluidSystem:
         self.measured = STILL
         """What the last measure said."""
         self.flow: Exchange | None = None
+        self.bodies: Bodies | None = None
 
     @property
     def lists(self) -> tuple[ti.Ndarray | bool, ...]:
@@ -139,6 +179,8 @@ class FluidSystem:
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
         self.boundary.find_neighbors(position, self.count)
+        if self.bodies:
+            self.bodies.reaction.list()
 
     def measure(self, way: float, speed_limit: float, level: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
@@ -183,7 +225,8 @@ class FluidSystem:
 
     @property
     def bytes(self) -> int:
-        return self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
+        own = self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
+        return own + (self.bodies.reaction.bytes if self.bodies else 0)
 
 
 @ti.kernel

@@ -52,6 +52,8 @@ class Wcsph:
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
         self._accelerate()
+        if self.system.bodies:
+            self.system.bodies.strike(0.0, self.momentum)
         self.system.lead()
 
     def restore(self) -> None:
@@ -60,13 +62,16 @@ class Wcsph:
     def advance(self, dt: float) -> dict[str, float]:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
         particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
-        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
+        told = self.system.bodies.drift(dt) if self.system.bodies else {}
         boundary.move()
+        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         self.system.exchange(dt)
         self._accelerate(way)
+        if self.system.bodies:
+            self.system.bodies.strike(dt, self.momentum)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        told = self.mixing.mix(dt)
+        told |= self.mixing.mix(dt)
         self.system.lead()
         return told
 

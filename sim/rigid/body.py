@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,6 +23,10 @@ class RigidState:
     """[m/s]"""
     momentum: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """Angular, about the centre of mass, in world axes [kg m^2/s]."""
+    fluid_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """That the next step begins with [N]."""
+    fluid_torque: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """About the centre of mass, in world axes [N m]."""
     contact_pair: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     """Both bodies of the contacts of the last step, in the order of these pairs."""
     contact_place: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
@@ -31,7 +35,9 @@ class RigidState:
     """On the first body, in world axes [N]."""
 
     def without_contacts(self) -> RigidState:
-        return RigidState(self.names, self.position, self.rotation, self.velocity, self.momentum)
+        none = RigidState()
+        contacts = {name: getattr(none, name) for name in ("contact_pair", "contact_place", "contact_force")}
+        return replace(self, **contacts)
 
 
 @dataclass(frozen=True)

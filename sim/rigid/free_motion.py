@@ -17,6 +17,8 @@ def accelerate(
     inverse_inertia: Matrices,
     force: Vectors,
     torque: Vectors,
+    fluid_force: Vectors,
+    fluid_torque: Vectors,
     motion: Motion,
     old_velocity: Vectors,
     old_spin: Vectors,
@@ -26,12 +28,17 @@ def accelerate(
     """Gravity [m/s^2], forces [N] and torques [N m] act on free bodies for dt [s]; velocities are kept as they
     were before, and as they are then.
 
+    What the fluid does counts as if it had been done before: forces that change from step to step must not be taken
+    for constant, or bodies that bob would gain energy.
+
     inverse_inertia: in the bodies' own axes [1/(kg m^2)].
     """
     for b in range(count):
         if free[b] == 1:
             turn = rotation_of(motion.rotation[b])
             motion.inverse_inertia[b] = turn @ inverse_inertia[b] @ turn.transpose()
+            motion.velocity[b] += dt / mass[b] * fluid_force[b]
+            motion.momentum[b] += dt * fluid_torque[b]
             old_velocity[b] = motion.velocity[b]
             old_spin[b] = motion.inverse_inertia[b] @ motion.momentum[b]
             motion.velocity[b] += dt * (gravity + force[b] / mass[b])

@@ -75,6 +75,7 @@ class RigidPart:
         """Inertia in the bodies' own axes, and the forces on them."""
         turns = [body.shape.turn for body in self.bodies]
         tensors = [body.mass.inertia if body.mass else np.eye(3) for body in self.bodies]
+        self._placed = np.array(turns)
         self._inertia = np.array([turn.T @ tensor @ turn for turn, tensor in zip(turns, tensors, strict=True)])
         self._inverse_inertia = np.linalg.inv(self._inertia) * self.free[:, None, None]
         self._mobile = integers(self.free)
@@ -103,10 +104,12 @@ class RigidPart:
         self.momentum = np.array(
             [body.mass.inertia @ body.angular_velocity if body.mass else np.zeros(3) for body in self.bodies]
         )
+        self.fluid_force, self.fluid_torque = np.zeros((2, self.count, 3))
+        """Of the fluid on bodies, about their centres of mass [N] and [N m]; whoever couples them keeps them."""
         row = {name: index for index, name in enumerate(state.names)}
         for k in np.flatnonzero(self.free):
             if self.bodies[k].name in row:
-                for name in ("position", "rotation", "velocity", "momentum"):
+                for name in ("position", "rotation", "velocity", "momentum", "fluid_force", "fluid_torque"):
                     getattr(self, name)[k] = getattr(state, name)[row[self.bodies[k].name]]
         turn = _matrices(self.rotation)
         own = np.einsum("nji,nj->ni", turn, self.momentum)
@@ -127,6 +130,50 @@ class RigidPart:
 
         Returns the STATISTICS.
         """
+        self._move(dt, movements)
+        if self._contacts:
+            self._bounce(dt)
+            self._remember(dt)
+            self._part(dt)
+        else:
+            self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
+        self._land(movements)
+        return self.told
+
+    def foresee(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
+        """Where `advance` would take bodies, and how fast they would be: rows of MOTIONS, shape [bodies, 18]."""
+        kept = [values.copy() for values in self._moving]
+        self._move(dt, movements)
+        rows = self.motions()
+        for values, before in zip(self._moving, kept, strict=True):
+            values[:] = before
+        return rows
+
+    @property
+    def _moving(self) -> tuple[np.ndarray, ...]:
+        return self.position, self.rotation, self.velocity, self.spin, self.momentum
+
+    def kick(self, impulse: np.ndarray, turning: np.ndarray) -> None:
+        """Change velocities at once by impulses at the centres of mass [N s] and about them [N m s], shape [n, 3]."""
+        free = self.free
+        self.velocity[free] += impulse[free] / self.mass[free, None]
+        self.momentum[free] += turning[free]
+        turned = self.motions()[free, :9].reshape(-1, 3, 3)
+        self.spin[free] = np.einsum("nij,nj->ni", self.mobility(turned, free), self.momentum[free])
+
+    def mobility(self, turned: np.ndarray, bodies: np.ndarray) -> np.ndarray:
+        """Inverse inertia of `bodies` in world axes [1/(kg m^2)], when `turned` so far since they were placed."""
+        turn = turned @ self._placed[bodies]
+        return turn @ self._inverse_inertia[bodies] @ turn.transpose(0, 2, 1)
+
+    def motions(self) -> np.ndarray:
+        """How bodies have moved since they were placed: rotation by rows, position [m], velocity [m/s] and angular
+        velocity [rad/s]; shape [bodies, 18]."""
+        turned = _matrices(self.rotation) @ self._placed.transpose(0, 2, 1)
+        return np.concatenate((turned.reshape(-1, 9), self.position, self.velocity, self.spin), axis=1)
+
+    def _move(self, dt: float, movements: Mapping[int, Movement]) -> None:
+        """Forces, contacts, and where they take bodies; what bounces and overlaps is left to do."""
         self.told = dict.fromkeys(STATISTICS, 0)
         self._steer(dt, movements)
         free_motion.accelerate(
@@ -138,6 +185,8 @@ class RigidPart:
             self._inverse_inertia,
             self._force,
             self._torque,
+            self.fluid_force,
+            self.fluid_torque,
             self._motion,
             *self._old[:2],
             *self._free[:2],
@@ -146,14 +195,6 @@ class RigidPart:
         if self._contacts:
             self._press()
         free_motion.move(self.count, dt, self._mobile, self._inverse_inertia, self._old[0], self._free[0], self._motion)
-        if self._contacts:
-            self._bounce(dt)
-            self._remember(dt)
-            self._part(dt)
-        else:
-            self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
-        self._land(movements)
-        return self.told
 
     def _steer(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Velocities that take bodies to where they are to be."""
@@ -360,6 +401,8 @@ class RigidPart:
             self.rotation[free],
             self.velocity[free],
             self.momentum[free],
+            self.fluid_force[free],
+            self.fluid_torque[free],
             *self._known,
         )
 

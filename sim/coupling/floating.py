@@ -1,0 +1,131 @@
+"""Bodies that the fluid moves: what passes between them and a pressure solver in the course of a step.
+
+Solvers that look for pressures ask three times. What is known before, gravity, friction, contacts and the pressures of
+the last step, takes bodies to where their samples are when pressures are looked for; those found act on them in place
+of the last step's, by the equations that `sim.fluid.reaction` adds, as if nothing but the fluid held them; and the step
+is made with these, contacts and all. What rests, or is held, so gives way to no more than the change of its pressures.
+Where pressures follow from positions (WCSPH), bodies step as particles do, by velocity Verlet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sim.fluid.momentum import Momentum
+from sim.fluid.reaction import Reaction
+from sim.fluid.system import FluidSystem
+from sim.rigid.movement import Movement
+from sim.rigid.part import RigidPart
+
+
+class Floating:
+    """The bodies of `rigid` that obey forces, as `system.bodies`.
+
+    rows: of these bodies, by their index, among all that move in the boundary; origin of the system's coordinates [m].
+    Wrenches and answers, as `sim.fluid.reaction` has them, are of shape [bodies, 6].
+    """
+
+    def __init__(self, rigid: RigidPart, system: FluidSystem, rows: Mapping[int, int], origin: np.ndarray):
+        self.rigid = rigid
+        self.system = system
+        self.reaction = Reaction(system, list(rows.values()))
+        self._bodies, self._rows = np.array(list(rows)), np.array(list(rows.values()))
+        self._origin = origin
+        self._here = self._local(rigid.motions())
+        self._weigh(self._here)
+
+    def begin(self, motions: np.ndarray, movements: Mapping[int, Movement]) -> None:
+        """A step begins after which prescribed bodies are at these `movements`, by index; `motions` of all that move
+        (`sim.fluid.moving`), in which those of the bodies are to be filled in."""
+        self._motions, self._movements = motions, movements
+
+    def hear(self, momentum: Momentum) -> None:
+        self._steady = self.reaction.forces(momentum)
+
+    def foresee(self, dt: float) -> None:
+        last = self.pushed
+        self._push(self._steady + last)
+        self._here = self._local(self.rigid.foresee(dt, self._movements))
+        self._push(last)
+        self._weigh(self._here)
+        self._aim()
+        turning = np.einsum("nij,nj->ni", self._mobility, last[:, 3:])
+        self.expected = np.concatenate((last[:, :3] * self._inverse_mass, turning), axis=1)
+        """Answers that bodies have been foreseen with."""
+        self._found = np.zeros_like(last)
+
+    def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
+        self._found = self._found + wrench
+        self._last = wrench, answer
+        self._shift(dt, answer - self.expected)
+        self.expected = np.zeros_like(answer)
+
+    def undo(self, dt: float) -> None:
+        wrench, answer = self._last
+        self._found = self._found - wrench
+        self._shift(dt, -answer)
+
+    def settle(self, dt: float) -> dict[str, float]:
+        self._push(self._steady + self._found)
+        return self._advance(dt, self._found)
+
+    def drift(self, dt: float) -> dict[str, float]:
+        whole = self.pushed
+        self._push(whole / 2)
+        return self._advance(dt, whole)
+
+    def strike(self, dt: float, momentum: Momentum) -> None:
+        self._push(self.reaction.forces(momentum))
+        self.kick(dt / 2, self.pushed)
+
+    def kick(self, dt: float, wrench: np.ndarray) -> None:
+        impulse = np.zeros((self.rigid.count, 6))
+        impulse[self._bodies] = dt * wrench
+        self.rigid.kick(impulse[:, :3], impulse[:, 3:])
+
+    @property
+    def pushed(self) -> np.ndarray:
+        """What the fluid does to the bodies: wrenches."""
+        return np.concatenate((self.rigid.fluid_force, self.rigid.fluid_torque), axis=1)[self._bodies]
+
+    def _push(self, wrench: np.ndarray) -> None:
+        self.rigid.fluid_force[self._bodies] = wrench[:, :3]
+        self.rigid.fluid_torque[self._bodies] = wrench[:, 3:]
+
+    def _advance(self, dt: float, wrench: np.ndarray) -> dict[str, float]:
+        """Make the step, and keep this wrench from it."""
+        told = self.rigid.advance(dt, self._movements)
+        self._push(wrench)
+        self._here = self._local(self.rigid.motions())
+        self._weigh(self._here)
+        self._aim()
+        return told
+
+    def _local(self, motions: np.ndarray) -> np.ndarray:
+        """Of the motions of all bodies those of the free ones, from the system's origin on."""
+        mine = motions[self._bodies]
+        mine[:, 9:12] -= self._origin
+        return mine
+
+    def _weigh(self, here: np.ndarray) -> None:
+        """Say how bodies answer forces where they are by these motions."""
+        self._mobility = self.rigid.mobility(here[:, :9].reshape(-1, 3, 3), self._bodies)
+        self._inverse_mass = 1.0 / self.rigid.mass[self._bodies, None]
+        self.reaction.weigh(np.concatenate((here[:, 9:12], self._inverse_mass, self._mobility.reshape(-1, 9)), axis=1))
+
+    def _shift(self, dt: float, answer: np.ndarray) -> None:
+        """Take bodies further by accelerations that act from the start of the step."""
+        here = self._here
+        turned = Rotation.from_rotvec(dt * dt * answer[:, 3:]).as_matrix() @ here[:, :9].reshape(-1, 3, 3)
+        here[:, :9] = turned.reshape(-1, 9)
+        here[:, 9:12] += dt * dt * answer[:, :3]
+        here[:, 12:] += dt * answer
+        self._aim()
+        self.system.boundary.move()
+
+    def _aim(self) -> None:
+        self._motions[self._rows] = self._here
+        self.system.boundary.aim(self._motions)

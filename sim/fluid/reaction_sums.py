@@ -1,0 +1,196 @@
+"""The sums of `sim.fluid.reaction` on the device."""
+
+import taichi as ti
+
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.adhesion import adhesion
+from sim.fluid.forces import SOFTENING, artificial
+from sim.fluid.friction import sample_friction
+from sim.fluid.kernel import cubic_slope
+from sim.fluid.walls import along_walls
+
+vec6d = ti.types.vector(6, ti.f64)
+
+
+@ti.func
+def _vector(table: DoubleTable, row: ti.i32, first: ti.template()) -> vec3:
+    return vec3([ti.cast(table[row, first + axis], real) for axis in ti.static(range(3))])
+
+
+@ti.func
+def _wrench(arm: vec3, force: vec3) -> vec6d:
+    torque = arm.cross(force)
+    return vec6d([force.x, force.y, force.z, torque.x, torque.y, torque.z])
+
+
+@ti.func
+def _keep(table: DoubleTable, row: ti.i32, total: vec6d):
+    for column in ti.static(range(6)):
+        table[row, column] = total[column]
+
+
+@ti.func
+def _gather(table: DoubleTable, begin: ti.i32, end: ti.i32) -> vec6d:
+    total = vec6d(0.0)
+    for row in range(begin, end):
+        for column in ti.static(range(6)):
+            total[column] += table[row, column]
+    return total
+
+
+@ti.kernel
+def push_back(
+    ends: IntArray,
+    chunks: IntTable,
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    near_size: IntArray,
+    near_index: IntTable,
+    first: ti.i32,
+    samples: Vec4Array,
+    sample_velocity: Vec4Array,
+    wall_count: ti.i32,
+    wall_fit: vec4,
+    planes: Vec4Array,
+    inertia: DoubleTable,
+    has_pressure: ti.template(),
+    has_grip: ti.template(),
+    sample_viscosity: real,
+    nearest_sample: real,
+    has_damping: ti.template(),
+    damping_strength: real,
+    has_adhesion: ti.template(),
+    adhesion_strength: real,
+    partial: DoubleTable,
+    wrench: DoubleTable,
+):
+    """The opposite of what samples do to particles in `sim.fluid.momentum` and `sim.fluid.adhesion`."""
+    inverse_h = 1.0 / h
+    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    softening = SOFTENING * h * h
+    for c in range(chunks.shape[0]):
+        total = vec6d(0.0)
+        centre = _vector(inertia, chunks[c, 2], 0)
+        for s in range(chunks[c, 0], chunks[c, 1]):
+            b, moves = samples[s], sample_velocity[s].xyz
+            for k in range(near_size[s - first]):
+                i = near_index[s - first, k]
+                x, v = position[i], velocity[i]
+                d = x.xyz - b.xyz
+                r2 = d.dot(d)
+                strength = rest_density * slope_norm * b.w
+                gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+                a = vec3(0.0)
+                if ti.static(has_pressure):
+                    a -= along_walls(x.xyz, x.w * gradient, wall_count, wall_fit, planes, inverse_h)
+                if ti.static(has_damping):
+                    a += artificial((v.xyz - moves).dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
+                if ti.static(has_grip):
+                    grip = sample_viscosity * sample_friction(d, v.xyz - moves, nearest_sample, inverse_h)
+                    a += strength / v.w * grip
+                if ti.static(has_adhesion):
+                    r = ti.max(ti.sqrt(r2), 1e-6 * h)
+                    a -= adhesion_strength * b.w * adhesion(r * inverse_h) / r * d
+                total += _wrench(x.xyz - centre, -mass * a)
+        _keep(partial, c, total)
+    for body in range(wrench.shape[0]):
+        _keep(wrench, body, _gather(partial, ends[body], ends[body + 1]))
+
+
+@ti.kernel
+def answer_pressure(
+    ends: IntArray,
+    chunks: IntTable,
+    ahead: real,
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    pressure: Vec4Array,
+    found: ti.template(),
+    near_size: IntArray,
+    near_index: IntTable,
+    first: ti.i32,
+    samples: Vec4Array,
+    wall_count: ti.i32,
+    wall_fit: vec4,
+    planes: Vec4Array,
+    inertia: DoubleTable,
+    partial: DoubleTable,
+    wrench: DoubleTable,
+    answer: DoubleTable,
+):
+    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers."""
+    inverse_h = 1.0 / h
+    strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
+    for c in range(chunks.shape[0]):
+        total = vec6d(0.0)
+        centre = _vector(inertia, chunks[c, 2], 0)
+        for s in range(chunks[c, 0], chunks[c, 1]):
+            b = samples[s]
+            for k in range(near_size[s - first]):
+                i = near_index[s - first, k]
+                x = position[i].xyz + ahead * velocity[i].xyz
+                d = x - b.xyz
+                gradient = strength * b.w * cubic_slope(d.norm() * inverse_h) * d
+                gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
+                q = pressure[i].x if ti.static(found) else pressure[i].w
+                total += _wrench(x - centre, mass * q * gradient)
+        _keep(partial, c, total)
+    for body in range(wrench.shape[0]):
+        total = _gather(partial, ends[body], ends[body + 1])
+        _keep(wrench, body, total)
+        for row in ti.static(range(3)):
+            answer[body, row] = inertia[body, 3] * total[row]
+            turning = ti.cast(0.0, ti.f64)
+            for column in ti.static(range(3)):
+                turning += inertia[body, 4 + 3 * row + column] * total[3 + column]
+            answer[body, 3 + row] = turning
+
+
+@ti.kernel
+def give_way(
+    count: ti.i32,
+    ahead: real,
+    h: real,
+    rest_density: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    body_of: IntArray,
+    wall_count: ti.i32,
+    wall_fit: vec4,
+    planes: Vec4Array,
+    inertia: DoubleTable,
+    answer: DoubleTable,
+    push: Vec4Array,
+):
+    """In push.w, by how much accelerations of bodies lower the second derivative of densities [kg/(m^3 s^2)]."""
+    inverse_h = 1.0 / h
+    strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
+    for i in range(count):
+        x = position[i].xyz + ahead * velocity[i].xyz
+        given = ti.cast(0.0, real)
+        for k in range(sample_size[i]):
+            s = sample_index[i, k]
+            body = body_of[s]
+            if body >= 0:
+                d = x - samples[s].xyz
+                gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
+                gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
+                arm = x - _vector(inertia, body, 0)
+                given += gradient.dot(_vector(answer, body, 0) + _vector(answer, body, 3).cross(arm))
+        push[i].w = given
+
+
+@ti.kernel
+def expect(count: ti.i32, dt: real, push: Vec4Array, source: RealArray):
+    """Take compression as it would be, had bodies not answered already."""
+    for i in range(count):
+        source[i] += dt * dt * push[i].w
