@@ -186,6 +186,7 @@ class Run:
             self.steps_taken += 1
             self.particle_steps += self.world.fluid.count if self.world.fluid else 0
             self.counts.steps_capped += int(told.get("capped", 0) > 0)
+            self.counts.particles_squeezed += int(told.get("squeezed", 0))
             self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
             output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)

@@ -42,6 +42,8 @@ class Counts:
     particles_drained: int = 0
     particles_blocked: int = 0
     """Particles that emitters would have sent into what was in the way."""
+    particles_squeezed: int = 0
+    """Particles that solids which closed in on each other left no room for."""
     particles_over_limit: int = 0
     """Particles that emitters would have sent while there were as many as fluid.max_particles allows."""
     retries: int = 0
@@ -241,6 +243,7 @@ class World:
         told = self.rigid.advance(dt, moved) if self.rigid and not together else {}
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
+            told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
         if self.rigid:
             self._follow()
         self.time = until

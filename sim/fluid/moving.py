@@ -40,7 +40,8 @@ class MovingSamples:
         return float((speed + self.reach * turning).max())
 
     def move(self, motions: np.ndarray, samples: ti.Ndarray, velocity: ti.Ndarray) -> None:
-        """Write positions [m] with volumes, and velocities [m/s]; motions of all bodies, shape [bodies, MOTION]."""
+        """Write positions [m] with volumes, and velocities [m/s] with a number for each body, from 1; motions of all, shape
+        [bodies, MOTION]."""
         self._motions.from_numpy(motions)
         _move(self.count, self.first, self._arms, self._body, self._motions, self.here, samples, velocity)
 
@@ -94,7 +95,7 @@ def _move(
         turning = ti.Vector([motions[b, 15 + axis] for axis in range(3)])
         here[k] = vec4(ti.cast(position + turned, real), arms[k].w)
         samples[first + k] = here[k]
-        velocity[first + k] = vec4(ti.cast(speed + turning.cross(turned), real), 0.0)
+        velocity[first + k] = vec4(ti.cast(speed + turning.cross(turned), real), b + 1.0)
 
 
 @ti.kernel

@@ -130,6 +130,13 @@ class FluidSystem:
         """What the last measure said."""
         self.flow: Exchange | None = None
         self.bodies: Bodies | None = None
+        self.squeezed_out = 0
+        """Particles taken out since this was last set to zero."""
+        self._squeezed = None
+        if boundary.moves:
+            from sim.fluid.squeezed import Squeezed
+
+            self._squeezed = Squeezed(boundary, walls, spec.spacing, self.h)
 
     @property
     def lists(self) -> tuple[ti.Ndarray | bool, ...]:
@@ -179,6 +186,14 @@ class FluidSystem:
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
         self.boundary.find_neighbors(position, self.count)
+        if self._squeezed:
+            removed = self._squeezed.remove(self.particles)
+            if removed:
+                self.squeezed_out += removed
+                self.forgetful = True
+                self._way_left = 0.0
+                self.find_neighbors()
+                return
         if self.bodies:
             self.bodies.reaction.list()
 
