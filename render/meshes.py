@@ -8,16 +8,20 @@ from typing import Any
 
 from render.axes import z_up_columns
 from render.blender import bpy
+from render.nodes import TINT, rgba
 from render.ply import TriangleMesh
 
 SHARP_ANGLE = math.radians(35)
 """Faces of a solid body that meet at more than this show an edge."""
+
+COLOR_COLUMNS = ("red", "green", "blue")
 
 
 def build_mesh(name: str, source: TriangleMesh) -> Any:
     """A smooth-shaded bpy mesh, z up.
 
     Velocities [m/s] become the point attribute `velocity`: Cycles takes it, under this very name, for motion blur.
+    Colours become the point attribute TINT.
     """
     columns, triangles = source.columns, source.triangles
     mesh = bpy.data.meshes.new(name)
@@ -36,8 +40,19 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
     if source.has("vx", "vy", "vz"):
         velocity = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
         velocity.data.foreach_set("vector", z_up_columns(columns["vx"], columns["vy"], columns["vz"]))
+    if source.has(*COLOR_COLUMNS):
+        tint = mesh.attributes.new(TINT, "FLOAT_COLOR", "POINT")
+        tint.data.foreach_set("color", _light(*(columns[name] for name in COLOR_COLUMNS)))
     mesh.update(calc_edges=True)
     return mesh
+
+
+def _light(*channels: Any) -> array:
+    """Columns of red, green and blue from 0 to 255 (sRGB) to one flat buffer of linear colours with full opacity."""
+    flat = array("f")
+    for color in zip(*channels, strict=True):
+        flat.extend(rgba([channel / 255 for channel in color]))
+    return flat
 
 
 def sharpen(mesh: Any) -> None:

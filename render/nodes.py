@@ -15,6 +15,8 @@ ALIASES = {
     "Specular IOR Level": "Specular",
 }
 """Inputs of the Principled BSDF since Blender 4.0, and what they were called before."""
+TINT = "tint"
+"""Name of the meshes' attribute with the colours of the vertices; Cycles would show `color` black."""
 
 
 def rgba(color: Sequence[float]) -> tuple[float, float, float, float]:
@@ -59,6 +61,10 @@ class Graph:
             self.tree.links.new(value, socket)
         else:
             socket.default_value = value
+
+    def tint(self) -> Any:
+        """The colour that the mesh has there."""
+        return self.node("Attribute", attribute_name=TINT).outputs["Color"]
 
     def math(self, operation: str, *operands: Any) -> Any:
         """Output of an arithmetic operation."""

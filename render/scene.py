@@ -16,7 +16,7 @@ from render.ground import add_ground
 from render.inputs import Box, Inputs, Pose
 from render.lights import add_lights
 from render.materials import default_body_look, default_sheet_look, make_material
-from render.meshes import add_object, build_mesh, replace_mesh
+from render.meshes import COLOR_COLUMNS, add_object, build_mesh, replace_mesh
 from render.ply import TriangleMesh, max_of, min_of, read_mesh
 from render.world import add_world
 
@@ -91,8 +91,9 @@ class Scene:
     def _add_bodies(self) -> None:
         for index, (name, path) in enumerate(self.inputs.bodies().items()):
             source = read_mesh(path)
-            look = self._look(name, default_body_look(index))
-            self._bodies[name] = Body(name, source, make_material(name, look, _bounds(source).diagonal))
+            tinted = source.has(*COLOR_COLUMNS)
+            look = self._look(name, default_body_look(index, tinted))
+            self._bodies[name] = Body(name, source, make_material(name, look, _bounds(source).diagonal, tinted))
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:

@@ -43,7 +43,8 @@ class Plastic(Settings):
     """A coloured body under a clear, slightly glossy coat."""
 
     type: Literal["plastic"]
-    color: Color = srgb("#e4572e")
+    color: Color | None = None
+    """Without it, the colours that a body's mesh file gives to its vertices, or `#e4572e` where it gives none."""
     roughness: Fraction = 0.3
     """0 is a mirror-smooth surface."""
 

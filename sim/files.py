@@ -45,8 +45,16 @@ def write_points(path: Path, points: np.ndarray) -> None:
         stream.write(np.ascontiguousarray(points).tobytes())
 
 
-def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3]."""
+def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray | None = None) -> None:
+    """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3].
+
+    `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out.
+    """
+    channels = () if colors is None else ("red", "green", "blue")
+    points = np.empty(len(vertices), dtype=[("place", "<f4", (3,)), ("color", "u1", (len(channels),))])
+    points["place"] = vertices
+    if colors is not None:
+        points["color"] = colors[:, :3]
     triangles = np.empty(len(faces), dtype=[("count", "u1"), ("index", "<i4", (3,))])
     triangles["count"] = 3
     triangles["index"] = faces
@@ -55,13 +63,14 @@ def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
         "format binary_little_endian 1.0",
         f"element vertex {len(vertices)}",
         *(f"property float {axis}" for axis in "xyz"),
+        *(f"property uchar {channel}" for channel in channels),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
         "end_header",
     ]
     with whole(path) as stream:
         stream.write(("\n".join(header) + "\n").encode())
-        stream.write(np.ascontiguousarray(vertices, dtype="<f4").tobytes())
+        stream.write(points.tobytes())
         stream.write(triangles.tobytes())
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.files import FLUID_POINT, Table, write_mesh, write_points
+from sim.geometry.solids import vertex_colors
 from sim.probes import COLUMNS as PROBE_COLUMNS
 from sim.spec import SimulationSpec
 
@@ -143,7 +144,7 @@ class Output:
             self._meshes.add(name)
             mesh = item.solid.mesh
             centre = np.zeros(3) if item.hollow else item.centre
-            write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces)
+            write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces, vertex_colors(mesh))
 
 
 def _body_state(item: Obstacle, time: float) -> list[float]:

@@ -31,11 +31,13 @@ def turn(axis: tuple[float, float, float], radians: float) -> list[dict[str, Any
     return [{"axis": axis, "angle": float(np.degrees(radians))}]
 
 
-def part(bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), **rigid: Any) -> RigidPart:
+def part(
+    bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 2, **rigid: Any
+) -> RigidPart:
     """The bodies, in the order given but for planes, which come last."""
     from sim import runtime
 
-    runtime.start(threads=2, arch="cpu")
+    runtime.start(threads=threads, arch="cpu")
     from sim.obstacles import find_obstacles
     from sim.rigid.assemble import assemble
     from sim.rigid.body import RigidState

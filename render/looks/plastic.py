@@ -8,5 +8,6 @@ from render.nodes import Graph, rgba
 
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
-    inputs = {"Base Color": rgba(look.color), "Roughness": look.roughness, "Coat Weight": 0.25, "Coat Roughness": 0.08}
+    color = graph.tint() if look.color is None else rgba(look.color)
+    inputs = {"Base Color": color, "Roughness": look.roughness, "Coat Weight": 0.25, "Coat Roughness": 0.08}
     return graph.node("BsdfPrincipled", inputs).outputs[0], None

@@ -20,6 +20,7 @@ from sim.geometry.solids import (
     Solid,
     SphereSolid,
     TorusSolid,
+    vertex_colors,
 )
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
 from sim.settings import Refused
@@ -125,13 +126,13 @@ def load_mesh(shape: MeshFile, path: Path, *, closed: bool = True) -> tuple[trim
     """
     from sim.geometry.topology import Topology, cleaned, signed_volume
 
-    mesh, report = _read(path), None
+    file, report = _read(path), None
     if not closed:
-        mesh, _ = cleaned(mesh, name=path.name)
+        mesh, _ = cleaned(file, name=path.name)
     elif shape.repair:
-        mesh, report = _repaired(mesh, path.name)
+        mesh, report = _repaired(file, path.name)
     else:
-        mesh, _ = cleaned(mesh, name=path.name)
+        mesh, _ = cleaned(file, name=path.name)
         topology = Topology.of(mesh)
         if not (topology.watertight and topology.consistent and signed_volume(mesh) > 0):
             raise Refused(
@@ -139,7 +140,7 @@ def load_mesh(shape: MeshFile, path: Path, *, closed: bool = True) -> tuple[trim
                 f"{topology.non_manifold_edges} non-manifold edges)",
                 remedy="Set repair: true",
             )
-    return _oriented(mesh, shape), report
+    return _painted(_oriented(mesh, shape), mesh, file), report
 
 
 def _oriented(mesh: trimesh.Trimesh, shape: MeshFile) -> trimesh.Trimesh:
@@ -157,19 +158,31 @@ def _oriented(mesh: trimesh.Trimesh, shape: MeshFile) -> trimesh.Trimesh:
     return trimesh.Trimesh(vertices - anchor, mesh.faces, process=False)
 
 
+def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The result, which is `mesh` moved, in the colours that the nearest vertices have in the file, if it has any."""
+    colors = vertex_colors(file)
+    if colors is not None:
+        from scipy.spatial import cKDTree
+
+        used = np.unique(file.faces)
+        result.visual.vertex_colors = colors[used[cKDTree(file.vertices[used]).query(mesh.vertices)[1]]]
+    return result
+
+
 def _read(path: Path) -> trimesh.Trimesh:
     import trimesh
 
     try:
         loaded = trimesh.load(path, force="mesh", process=False)
         vertices, faces = np.asarray(loaded.vertices), np.asarray(loaded.faces)
+        colors = vertex_colors(loaded)
     except Exception as error:  # every format's reader raises errors of its own
         formats = ", ".join(sorted(trimesh.available_formats() & {"glb", "obj", "off", "ply", "stl", "3mf", "gltf"}))
         raise Refused(
             f"{path.name!r} can not be read as a triangle mesh ({type(error).__name__}: {error})",
             remedy=f"Give a file with triangles in one of the formats {formats}",
         ) from error
-    return trimesh.Trimesh(vertices, faces, process=False, validate=False)
+    return trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, validate=False)
 
 
 def _repaired(mesh: trimesh.Trimesh, name: str) -> tuple[trimesh.Trimesh, RepairReport]:

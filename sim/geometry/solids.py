@@ -57,6 +57,11 @@ def rotation_matrix(turns: tuple[Rotation, ...]) -> np.ndarray:
     return matrix
 
 
+def vertex_colors(mesh: trimesh.Trimesh) -> np.ndarray | None:
+    """Red, green, blue and opacity of the vertices from 0 to 255, shape [n, 4]; None where they have no colours."""
+    return mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
+
+
 class Solid(ABC):
     """A placed shape. All coordinates are those of the world [m]."""
 
@@ -71,12 +76,14 @@ class Solid(ABC):
 
     @functools.cached_property
     def mesh(self) -> trimesh.Trimesh | None:
-        """The surface in world space, faces outward; None for a plane."""
+        """The surface in world space, faces outward, in the colours of its file if it has any; None for a plane."""
         if self._local_mesh is None:
             return None
         import trimesh
 
-        return trimesh.Trimesh(self.pose.to_world(self._local_mesh.vertices), self._local_mesh.faces, process=False)
+        local = self._local_mesh
+        vertices = self.pose.to_world(local.vertices)
+        return trimesh.Trimesh(vertices, local.faces, vertex_colors=vertex_colors(local), process=False)
 
     @property
     @abstractmethod

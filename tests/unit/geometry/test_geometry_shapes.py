@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from sim.geometry.offset import inset
 from sim.geometry.shapes import load_mesh, place, tessellate
+from sim.geometry.solids import vertex_colors
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
 from sim.settings import Refused
 
@@ -278,3 +279,20 @@ def test_an_inset_ball_is_a_smaller_ball():
     moved = np.linalg.norm(inset(ball, 0.1).vertices, axis=1)
     size = ball.edges_unique_length.max()
     np.testing.assert_allclose(moved, 0.9, atol=size**2 / 8)
+
+
+@pytest.mark.parametrize("repair", [True, False])
+def test_colours_of_a_mesh_file_stay_at_their_places(tmp_path, cube, repair):
+    cube.visual.vertex_colors = np.rint(255 * (cube.vertices + 0.5)).astype(np.uint8)
+    cube.export(tmp_path / "cube.ply")
+    shape = MeshFile(type="mesh", file="cube.ply", up="z", size=2, anchor="base", repair=repair)
+    solid = place(shape, Placement(), tmp_path)
+    x, y, z = solid.mesh.vertices.T
+    expected = 255 * np.column_stack([(x + 1) / 2, (1 - z) / 2, y / 2])
+    np.testing.assert_allclose(vertex_colors(solid.mesh)[:, :3], expected)
+
+
+def test_a_mesh_file_without_colours_has_none(tmp_path, cube):
+    cube.export(tmp_path / "cube.stl")
+    solid = place(MeshFile(type="mesh", file="cube.stl"), Placement(), tmp_path)
+    assert vertex_colors(solid.mesh) is None

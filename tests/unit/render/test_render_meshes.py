@@ -8,6 +8,7 @@ from render import ply
 from render.axes import z_up, z_up_quaternion
 from render.errors import Unusable
 from render.meshes import build_mesh
+from render.nodes import TINT
 from render.ply import read_mesh
 
 NAMES = "x y z nx ny nz vx vy vz"
@@ -29,6 +30,16 @@ def test_positions_and_velocities_turn_from_y_up_to_z_up(reader, tmp_path, write
     assert tuple(velocity.data[2].vector) == (7.0, -9.0, 8.0)
     assert [tuple(face.vertices) for face in mesh.polygons] == [(0, 1, 2)]
     assert mesh.polygons[0].use_smooth
+
+
+def test_colours_become_light(reader, tmp_path, write_mesh):
+    names = "x y z red green blue"
+    corners = [(0, 0, 0, 255, 0, 0), (1, 0, 0, 0, 255, 0), (0, 1, 0, 0, 0, 188)]
+    mesh = build_mesh("triangle", read_mesh(write_mesh(tmp_path / "a.ply", names, corners, [(0, 1, 2)])))
+    tint = mesh.attributes[TINT]
+    assert (tint.data_type, tint.domain) == ("FLOAT_COLOR", "POINT")
+    assert tuple(tint.data[0].color) == (1, 0, 0, 1)
+    assert tuple(tint.data[2].color) == pytest.approx((0, 0, 0.503, 1), abs=1e-3)
 
 
 def test_an_empty_surface_is_an_empty_mesh(reader, tmp_path, write_mesh):

@@ -1,0 +1,25 @@
+"""Meshes that a run writes."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from sim.files import write_mesh
+
+VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]])
+FACES = np.array([[0, 1, 2]])
+COLORS = np.array([[255, 0, 0, 255], [0, 128, 0, 255], [1, 2, 3, 255]], dtype=np.uint8)
+
+
+@pytest.mark.parametrize(("colors", "vertex_size"), [(None, 12), (COLORS, 15)], ids=["plain", "coloured"])
+def test_what_is_written_can_be_read(tmp_path, colors, vertex_size):
+    path = tmp_path / "body.ply"
+    write_mesh(path, VERTICES, FACES, colors)
+    content = path.read_bytes()
+    assert len(content.partition(b"end_header\n")[2]) == 3 * vertex_size + 13
+    assert (b"property uchar red" in content) == (colors is not None)
+    mesh = trimesh.load(path, process=False)
+    assert (mesh.vertices == VERTICES).all()
+    assert (mesh.faces == FACES).all()
+    if colors is not None:
+        assert (mesh.visual.vertex_colors == colors).all()
