@@ -113,6 +113,8 @@ class FluidView:
         from sim.coupling.fluid_rigid import reaction
 
         for index, item in enumerate(self.world.obstacles.placed):
+            if item.name == body and item.motion and item.motion.obeys_forces:
+                return self.world.floating.acting(index)
             if item.name == body:
                 centre = item.centre_at(self.time) - self.world.origin
                 return reaction(self.world.fluid.system, index, centre)

@@ -170,7 +170,9 @@ class World:
 
         moving = [index for index, item in enumerate(self.obstacles.placed) if item.motion]
         rows = {index: moving.index(index) for index in self.obstacles.dynamic}
-        self.floating = self.fluid.system.bodies = Floating(self.rigid, self.fluid.system, rows, self.origin)
+        surfaces = [item.solid.mesh for item in self.obstacles.dynamic.values()]
+        system = self.fluid.system
+        self.floating = system.bodies = Floating(self.rigid, system, rows, self.origin, surfaces)
 
     def _put_back(self, state: RigidState) -> None:
         """Stand dynamic bodies where they were."""
@@ -203,6 +205,8 @@ class World:
                     f"the speed of a body ({self.rigid.measure().v_max:.3g} m/s)",
                     "use lower speeds or larger bodies",
                 )
+            case "light body":
+                return "a body much lighter than the fluid", "use fluid.solver: dfsph or iisph, or a heavier body"
             case "rigid step":
                 return "rigid.max_step", "raise it"
             case "force":

@@ -9,31 +9,51 @@ Where pressures follow from positions (WCSPH), bodies step as particles do, by v
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import trimesh
 from scipy.spatial.transform import Rotation
 
+from sim.coupling.lightness import lightness
 from sim.fluid.momentum import Momentum
 from sim.fluid.reaction import Reaction
 from sim.fluid.system import FluidSystem
 from sim.rigid.movement import Movement
 from sim.rigid.part import RigidPart
+from sim.settings import Refused
 
 
 class Floating:
     """The bodies of `rigid` that obey forces, as `system.bodies`.
 
-    rows: of these bodies, by their index, among all that move in the boundary; origin of the system's coordinates [m].
+    rows: of these bodies, by their index, among all that move in the boundary; origin of the system's coordinates [m];
+    surfaces of the bodies, as they are placed.
     Wrenches and answers, as `sim.fluid.reaction` has them, are of shape [bodies, 6].
     """
 
-    def __init__(self, rigid: RigidPart, system: FluidSystem, rows: Mapping[int, int], origin: np.ndarray):
+    def __init__(
+        self,
+        rigid: RigidPart,
+        system: FluidSystem,
+        rows: Mapping[int, int],
+        origin: np.ndarray,
+        surfaces: Sequence[trimesh.Trimesh],
+    ):
+        _refuse(system)
         self.rigid = rigid
         self.system = system
+        layer = system.spec.rest_density * system.spec.spacing
+        bodies = [rigid.bodies[index] for index in rows]
+        self.lightness = max(
+            lightness(mesh, body.pivot, body.mass.mass, body.mass.inertia, layer)
+            for mesh, body in zip(surfaces, bodies, strict=True)
+        )
         self.reaction = Reaction(system, list(rows.values()))
         self._bodies, self._rows = np.array(list(rows)), np.array(list(rows.values()))
         self._origin = origin
+        self._steady = np.zeros((len(rows), 6))
+        """Wrenches of forces that act beside pressures which are looked for."""
         self._here = self._local(rigid.motions())
         self._weigh(self._here)
 
@@ -86,6 +106,12 @@ class Floating:
         impulse[self._bodies] = dt * wrench
         self.rigid.kick(impulse[:, :3], impulse[:, 3:])
 
+    def acting(self, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and torque about its centre of mass [N m] of the fluid on a body, by its index; where pressures are
+        looked for, those of the last step."""
+        wrench = (self.pushed + self._steady)[self._bodies == index][0]
+        return wrench[:3], wrench[3:]
+
     @property
     def pushed(self) -> np.ndarray:
         """What the fluid does to the bodies: wrenches."""
@@ -129,3 +155,12 @@ class Floating:
     def _aim(self) -> None:
         self._motions[self._rows] = self._here
         self.system.boundary.aim(self._motions)
+
+
+def _refuse(system: FluidSystem) -> None:
+    if system.implicit_viscosity:
+        raise Refused(
+            "implicit viscosity does not act on rigid bodies with motion 'dynamic' yet",
+            location=("fluid", "viscosity_solver"),
+            remedy="use viscosity_solver: explicit, or a lower viscosity",
+        )

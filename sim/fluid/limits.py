@@ -33,3 +33,14 @@ def capillary_limit(half: float, surface_tension: float, density: float) -> floa
 def way_limit(way: float, pace: float) -> float:
     """The step [s] in which a particle at most goes the `way` [m]: at the `pace` [m/s] that was measured for it."""
     return way / pace if pace > 0 else math.inf
+
+
+LIGHT = 25.0
+"""From here on pressure throws bodies back in a step of sound: half of what was found with boxes and plates."""
+
+
+def light_limit(signal: float, lightness: float) -> float:
+    """The step [s], of `signal` [s] for sound, in which pressures that follow from positions do not throw back and forth
+    a body whose layer of fluid has `lightness` times its mass: stiffness is the layer's, so that frequencies grow by
+    the square root of the ratio."""
+    return signal / math.sqrt(1.0 + lightness / LIGHT)

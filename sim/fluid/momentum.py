@@ -61,9 +61,11 @@ class Momentum:
     def step_limits(self) -> dict[str, float]:
         """Largest stable time steps [s] that do not depend on the particles' motion."""
         explicit = self.viscosity + 0.1 * self.artificial
-        half, spec = 0.5 * self.system.h, self.system.spec
+        half, spec, bodies = 0.5 * self.system.h, self.system.spec, self.system.bodies
+        # What slows a particle against a body speeds up the body, the more the lighter it is.
+        strongest = self.grip.strongest * (1.0 + bodies.lightness if bodies else 1.0)
         return {
-            "viscosity": viscosity_limit(half, explicit, self.grip.strongest),
+            "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": TENSION_STEP[spec.surface_tension_model]
             * capillary_limit(half, max(spec.surface_tension, spec.adhesion), spec.rest_density),
         }

@@ -63,6 +63,8 @@ class Bodies(Protocol):
     """
 
     reaction: "Reaction"
+    lightness: float
+    """Mass of the fluid's layer around a body over its own, of the lightest (`sim.coupling.lightness`)."""
     expected: np.ndarray
     """Answers to the pressures of the last step, with which bodies have been foreseen."""
 

@@ -10,7 +10,7 @@ import taichi as ti
 
 from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec4
 from sim.fluid.kernel import cubic
-from sim.fluid.limits import force_limit
+from sim.fluid.limits import force_limit, light_limit
 from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.system import FluidSystem, Measure
@@ -43,11 +43,10 @@ class Wcsph:
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
         """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
-        half = 0.5 * self.system.h
-        return {
-            "signal": cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed),
-            "force": force_limit(half, measure.a_max),
-        } | self.momentum.step_limits()
+        half, bodies = 0.5 * self.system.h, self.system.bodies
+        signal = cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed)
+        limits = {"signal": signal, "force": force_limit(half, measure.a_max)} | self.momentum.step_limits()
+        return limits | ({"light body": light_limit(signal, bodies.lightness)} if bodies else {})
 
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
