@@ -44,12 +44,6 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         if group == "containers" and not isinstance(body, BoxContainer) and not held:
             message = "a mesh container without fluid or dynamic bodies holds nothing"
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
-    if spec.fluid is not None and spec.fluid.solver == "pcisph" and spec.has_dynamic_bodies():
-        raise Refused(
-            "rigid bodies with motion 'dynamic' are not simulated together with the solver pcisph yet",
-            location=("fluid", "solver"),
-            remedy="use dfsph, iisph or wcsph",
-        )
     for name, probe in spec.probes.items():
         if probe.type == "vertex":
             raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")

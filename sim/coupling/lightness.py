@@ -13,9 +13,12 @@ def lightness(mesh: trimesh.Trimesh, centre: np.ndarray, mass: float, inertia: n
     there with it: the greatest eigenvalue of M^-1 int layer (n, r x n)(n, r x n)^T dA. `inertia` [kg m^2] is about the
     `centre` [m], all as the body is placed.
     """
-    arms = np.cross(mesh.triangles_center - centre, mesh.face_normals)
-    ways = np.concatenate((mesh.face_normals, arms), axis=1)
-    moved = layer * np.einsum("n,ni,nj->ij", mesh.area_faces, ways, ways)
+    # Midpoints of the edges: exact for squares of the way.
+    corners = mesh.triangles - centre
+    places = (corners + np.roll(corners, 1, axis=1)) / 2
+    normals = np.repeat(mesh.face_normals, 3, axis=0)
+    ways = np.concatenate((normals, np.cross(places.reshape(-1, 3), normals)), axis=1)
+    moved = layer * np.einsum("n,ni,nj->ij", np.repeat(mesh.area_faces / 3, 3), ways, ways)
     own = np.zeros((6, 6))
     own[:3, :3] = mass * np.eye(3)
     own[3:, 3:] = inertia

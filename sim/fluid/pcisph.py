@@ -54,27 +54,35 @@ class Pcisph(Incompressible):
     def examine(self, dt: float) -> None:
         particles = self.system.particles
         _predict(self.system.count, 0.0, particles.position, particles.velocity, particles.push, particles.predicted)
-        self._compress()
+        self._compress(0.0, fresh=True)
         _keep_density(self.system.count, self.system.spec.rest_density, particles.velocity, particles.predicted)
 
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
         _begin(system.count, particles.position, particles.push, particles.solid)
+        bodies = system.bodies
         for iteration in range(1, settings.max_iterations + 1):
             _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
-            mean, worst = self._compress()
+            if bodies:
+                pressed = bodies.reaction.answer_beside(dt, bodies.expected)
+            mean, worst = self._compress(dt, fresh=iteration == 1)
             good = mean <= tolerance and worst <= worst_allowed
             if good and iteration >= settings.min_iterations:
                 break
             self._raise(dt)
+        if bodies:
+            bodies.take(dt, *pressed)
         kick(system.count, dt, particles.velocity, particles.push)
         if system.boundary.count:
             remember_way(system.count, dt, particles.push, particles.pressed)
         return {"pressure_iterations": iteration, "capped": not good}
 
-    def _compress(self) -> tuple[float, float]:
-        """Compression at the predicted positions [kg/m^3], which is written, as G is: its mean and maximum."""
+    def _compress(self, dt: float, *, fresh: bool) -> tuple[float, float]:
+        """Compression at the predicted positions [kg/m^3], which is written, as G is: its mean and maximum.
+
+        Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
+        """
         system = self.system
         walls = system.walls
         mean, worst = _compress(
@@ -82,7 +90,11 @@ class Pcisph(Incompressible):
             system.h,
             system.mass,
             system.spec.rest_density,
+            dt,
+            fresh,
+            system.bodies is not None,
             system.particles.predicted,
+            system.particles.push,
             system.particles.solid,
             *system.lists,
             walls.count,
@@ -99,6 +111,7 @@ class Pcisph(Incompressible):
             system.count,
             RELAXATION / (dt * dt),
             self.lattice_sum,
+            1.0 + (system.bodies.lightness if system.bodies else 0.0),
             system.h,
             system.mass,
             particles.position,
@@ -139,7 +152,11 @@ def _compress(
     h: real,
     mass: real,
     rest_density: real,
+    dt: real,
+    fresh: ti.i32,
+    has_bodies: ti.template(),
     predicted: Vec4Array,
+    push: Vec4Array,
     solid: Vec4Array,
     size: IntArray,
     index: IntTable,
@@ -166,10 +183,15 @@ def _compress(
             x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
         )
         steep = rest_density * share.xyz.norm()
-        if steep > 0:
+        if ti.static(has_bodies):
+            if fresh == 1:
+                solid[i].xyz = rest_density * share.xyz
+        elif steep > 0:
             normal = share.xyz.normalized()
             solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
         predicted[i].w = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
+        if ti.static(has_bodies):
+            predicted[i].w -= dt * dt * push[i].w
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
         within = span(block, BLOCKS, count)
@@ -191,6 +213,7 @@ def _raise(
     count: ti.i32,
     factor: real,
     lattice_sum: real,
+    giving_way: real,
     h: real,
     mass: real,
     position: Vec4Array,
@@ -206,7 +229,7 @@ def _raise(
     inverse_h = 1.0 / h
     strength = mass * 8.0 / ti.math.pi * inverse_h**5
     for i in range(count):
-        diagonal = lattice_sum + solid[i].xyz.dot(solid[i].xyz)
+        diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
         position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
     for i in range(count):
         a = pressure_sum(i, position, size, index, inverse_h)

@@ -100,6 +100,15 @@ class Reaction:
         self._sum(ahead, self.system.particles.position, found=False)
         self._give_way(ahead)
 
+    def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `answer`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
+        returns the wrenches and answers."""
+        self._sum(dt, self.system.particles.position, found=False)
+        wrench, answer = self._wrench.to_numpy(), self._answer.to_numpy()
+        self._answer.from_numpy(answer - expected)
+        self._give_way(dt)
+        return wrench, answer
+
     def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
         """Wrenches of the pressures found, which are in search.x, and the answers; shape [bodies, 6]."""
         self._sum(ahead, self.system.particles.search, found=True)

@@ -1,0 +1,107 @@
+"""Extremes of bodies in fluid, and runs with them: right, refused or stopped, and the same bytes again."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from sim.settings import Refused
+from tests.floating import COUPLED, RHO, pool, track
+from tests.particles import read_table
+from tests.stress.scenes import assert_nothing_broken
+
+BOX = {"type": "box", "size": [0.1, 0.1, 0.1]}
+
+
+def scene(solver: str, ratio: float, height: float = 0.15, shape: dict | None = None, **more):
+    body = {"shape": shape or BOX, "position": [0, height, 0], "density": ratio * RHO, "motion": "dynamic"}
+    return pool(solver, 0.02, (0.4, 0.8, 0.4), 0.3, body, **more)
+
+
+def counts(out) -> dict[str, int]:
+    return json.loads((out / "summary.json").read_text())["counts"]
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.05])
+@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in COUPLED[:2])])
+def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
+    """Its mass is a fortieth of the layer of fluid next to it: taken turns at, the two would throw it about."""
+    out = simulate(scene(solver, ratio), 50, threads=2)
+    assert_nothing_broken(out)
+    height, speed = track(out, "y"), np.abs(track(out, "vy"))
+    assert height[-10:].min() > 0.3
+    assert height.max() < 0.3 + 0.2, "thrown out of the water"
+    assert speed[-10:].max() < 0.5 < speed.max() < 2.5
+    assert counts(out)["retries"] == 0
+
+
+@pytest.mark.parametrize("ratio", [2.0, 100.0])
+@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in COUPLED[:2])])
+def test_a_heavy_body_sinks_to_the_ground_and_rests_there(simulate, solver, ratio):
+    """What it squeezes out at last has no room and is taken out; that is counted, and less than half a layer."""
+    out = simulate(scene(solver, ratio), 40, threads=2)
+    assert_nothing_broken(out)
+    assert track(out, "y")[-1] == pytest.approx(0.05, abs=0.002)
+    assert np.abs(track(out, "vy")[-5:]).max() < 0.02
+    assert 0 < counts(out)["particles_squeezed"] <= 25
+    before, after = read_table(out / "steps.csv")["n_fluid"][[0, -1]]
+    assert before - after == counts(out)["particles_squeezed"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", COUPLED)
+def test_a_thin_light_plate_comes_up(simulate, solver):
+    out = simulate(scene(solver, 0.02, shape={"type": "box", "size": [0.2, 0.004, 0.2]}), 50, threads=2)
+    assert_nothing_broken(out)
+    assert track(out, "y")[-1] > 0.25
+
+
+@pytest.mark.parametrize("solver", COUPLED)
+def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
+    """The water that was in its place is left out: it begins near its draft, and no faster than it could fall."""
+    out = simulate(scene(solver, 0.5, height=0.3), 20, threads=2)
+    assert np.abs(track(out, "vy")).max() < 0.5
+    assert np.abs(track(out, "y") - 0.3).max() < 0.04
+    assert counts(out)["particles_without_room"] > 0
+
+
+@pytest.mark.parametrize("solver", COUPLED)
+def test_the_same_bytes_again_and_resumed(simulate, solver):
+    def bytes_of(out):
+        with np.load(out / "state_00006.npz") as state:
+            return [state[name].tobytes() for name in sorted(state.files) if name != "meta"]
+
+    small = scene(solver, 0.4, height=0.3, fps=100)
+    whole = simulate(small, 6, "whole", threads=2)
+    assert bytes_of(simulate(small, 6, "again", threads=2)) == bytes_of(whole)
+    simulate(small, 3, "parts", threads=2)
+    simulate(small, 6, "parts", first=4, state=whole.parent / "parts" / "state_00003.npz", threads=2)
+    assert bytes_of(whole.parent / "parts") == bytes_of(whole)
+
+
+def test_events_let_a_body_go_add_one_and_take_one_away(simulate):
+    late = {"shape": BOX, "position": [0.1, 0.4, 0.1], "density": 300, "motion": "dynamic"}
+    held = scene("dfsph", 0.4)
+    held["rigid"]["bodies"]["body"]["motion"] = "static"
+    events = [
+        {"at": 0.1, "set": {"rigid.bodies.body.motion": "dynamic"}},
+        {"at": 0.2, "add": {"rigid": {"late": late}}},
+        {"at": 0.4, "remove": ["body"]},
+    ]
+    out = simulate(held | {"events": events}, 30, threads=2)
+    assert_nothing_broken(out)
+    assert track(out, "y")[5] == 0.15 < track(out, "y")[-1] - 0.02
+    assert len(track(out, "y")) == 21
+    assert track(out, "y", "late")[-1] > 0.2
+
+
+@pytest.mark.parametrize(
+    ("fluid", "field"),
+    [({"solver": "pcisph"}, ("fluid", "solver")), ({"viscosity": 1, "viscosity_solver": "implicit"}, ("fluid", "viscosity_solver"))],
+)
+def test_what_does_not_move_bodies_yet_is_refused(simulate, fluid, field):
+    with pytest.raises(Refused) as refused:
+        simulate(scene("dfsph", 0.5, fluid=fluid), 1)
+    assert refused.value.location == field

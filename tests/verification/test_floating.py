@@ -1,0 +1,125 @@
+"""Fluid and bodies that move each other: Archimedes, added mass, momentum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.floating import COUPLED, RHO, G, momentum, pool, track
+from tests.solvers import probe
+
+BALL = {"type": "sphere", "radius": 0.1}
+BRICK = {"type": "box", "size": [0.24, 0.12, 0.24]}
+VOLUME = {"sphere": 4 / 3 * np.pi * 0.1**3, "box": 0.24 * 0.12 * 0.24}
+
+
+@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in COUPLED[:2])])
+def test_a_body_under_water_is_lifted_by_the_weight_of_its_volume(simulate, solver):
+    """rho g V (Archimedes); the pool starts without pressure, so that the mean over the later half is taken."""
+    body = {"shape": BALL, "position": [0, 0.2, 0]}
+    probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
+    time, lift = probe(simulate(pool(solver, 0.02, (0.48, 0.8, 0.48), 0.4, body, probes=probes), 60), "lift", "force_y")
+    assert lift[time > 0.6].mean() == pytest.approx(RHO * G * VOLUME["sphere"], rel=0.03)
+
+
+@pytest.mark.slow
+def test_the_lift_of_a_box_is_nearer_with_finer_particles(simulate):
+    """Rows of samples behind sharp edges, which single particles must not get past, push more than a face does: the
+    excess falls with the share of particles that are next to an edge, by the first order."""
+    excess = []
+    for spacing in (0.03, 0.015):
+        body = {"shape": BRICK, "position": [0, 0.21, 0]}
+        probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
+        out = simulate(pool("dfsph", spacing, (0.48, 0.8, 0.48), 0.42, body, probes=probes), 60, f"{spacing}")
+        time, lift = probe(out, "lift", "force_y")
+        excess.append(lift[time > 0.6].mean() / (RHO * G * VOLUME["box"]) - 1)
+    assert 0 < excess[1] < 0.65 * excess[0] < 0.65 * 0.2
+
+
+def draft(shape: str, ratio: float) -> float:
+    """How deep a body with this density over the fluid's floats [m]."""
+    if shape == "box":
+        return ratio * 0.12
+    # The cap of height x R has the volume pi R^3 x^2 (3 - x) / 3.
+    roots = np.roots([-1, 3, 0, -4 * ratio])
+    return float(0.1 * next(x.real for x in roots if abs(x.imag) < 1e-9 and 0 < x.real < 2))
+
+
+def error_of_draft(simulate, shape: dict, ratio: float, spacing: float, name: str = "run") -> float:
+    """Draft that is found, less the one expected [m]; the level follows from the volumes of fluid and body."""
+    side, depth, kind = 0.6, 0.3, shape["type"]
+    height = 0.12 if kind == "box" else 0.2
+    start = depth - draft(kind, ratio) + height / 2
+    body = {"shape": shape, "position": [0, start, 0], "density": ratio * RHO, "motion": "dynamic"}
+    scene = pool("dfsph", spacing, (side, 0.8, side), depth, body, fluid={"viscosity": 2e-4})
+    out = simulate(scene, 100, name)
+    found = track(out, "y")[-50:].mean() - height / 2
+    from tests.particles import read_frame
+
+    fluid = len(read_frame(out, 100)) * spacing**3
+    level = (fluid + ratio * VOLUME[kind]) / side**2
+    return level - found - draft(kind, ratio)
+
+
+def test_a_box_floats_as_deep_as_it_should(simulate):
+    """Within a spacing: fluid has no sharper surface."""
+    assert abs(error_of_draft(simulate, BRICK, 0.5, 0.03)) < 0.03
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 0.75])
+@pytest.mark.parametrize("shape", [BRICK, BALL], ids=["box", "sphere"])
+def test_bodies_float_as_deep_as_they_should_and_nearer_with_finer_particles(simulate, shape, ratio):
+    coarse, fine = (error_of_draft(simulate, shape, ratio, d, f"{d}") for d in (0.03, 0.015))
+    assert abs(coarse) < 0.03
+    assert abs(fine) < 0.015
+    assert abs(fine) < max(abs(coarse), 0.25 * 0.015)
+
+
+@pytest.mark.slow
+def test_a_body_let_go_under_water_moves_the_water_too(simulate):
+    """A sphere in an ideal fluid: a = g (1 - s) / (s + 1/2), of which 1/2 is the mass of fluid that it takes along
+    (Lamb 1932, sec. 92); without that it would be twice as fast."""
+    ratio, held = 0.5, 0.4
+    body = {"shape": BALL, "position": [0, 0.3, 0], "density": ratio * RHO}
+    ideal = {"viscosity": 0, "wall_slip": "free_slip"}
+    event = {"at": held, "set": {"rigid.bodies.body.motion": "dynamic"}}
+    out = simulate(pool("dfsph", 0.016, (0.6, 1.2, 0.6), 0.6, body, fluid=ideal, events=[event], fps=100), 44)
+    speed = track(out, "vy")[41:]
+    expected = G * (1 - ratio) / (ratio + 0.5)
+    assert speed / (0.01 * np.arange(1, 5)) == pytest.approx(np.full(4, expected), rel=0.17)
+    assert np.diff(speed).mean() / 0.01 == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_body_as_heavy_as_water_stays_where_it_is(simulate):
+    """It drifts by less than 0.01 sqrt(g R)."""
+    body = {"shape": BALL, "position": [0, 0.24, 0], "density": RHO}
+    event = {"at": 1.0, "set": {"rigid.bodies.body.motion": "dynamic"}}
+    out = simulate(pool("dfsph", 0.02, (0.48, 0.96, 0.48), 0.48, body, events=[event]), 100)
+    place = np.column_stack([track(out, axis)[50:] for axis in "xyz"])
+    assert np.linalg.norm(place[-1] - place[0]) / 1.0 < 0.01 * np.sqrt(G * 0.1)
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.5, 100.0])
+@pytest.mark.parametrize("solver", COUPLED)
+def test_momentum_goes_from_one_to_the_other(simulate, solver, ratio):
+    """Without gravity a cube of water hits a box off its middle: momentum is kept to 1e-5, angular momentum as the
+    solver keeps it: pressures that are looked for act where particles will be, not where they are."""
+    size = 0.1
+    body = {
+        "shape": {"type": "box", "size": [size] * 3},
+        "position": [0.16, 0.03, 0.02],
+        "density": ratio * RHO,
+        "motion": "dynamic",
+    }
+    water = {"shape": {"type": "box", "size": [0.16] * 3}, "velocity": [2, 0, 0]}
+    fluid = {"solver": solver, "particle_radius": 0.01, "viscosity": 1e-3, "bodies": {"water": water}}
+    out = simulate({"fps": 100, "gravity": [0, 0, 0], "fluid": fluid, "rigid": {"bodies": {"body": body}}}, 12)
+    mass, particle = ratio * RHO * size**3, RHO * 0.02**3
+    of_all = (mass, mass * size**2 / 6, particle)
+    (linear, angular), (linear_after, angular_after) = (momentum(out, frame, *of_all) for frame in (0, 12))
+    assert mass * track(out, "vx")[-1] > 0.1 * min(mass * 2, linear[0] / 2), "the box was not hit"
+    whole = np.linalg.norm(linear)
+    np.testing.assert_allclose(linear_after, linear, atol=1e-5 * whole)
+    np.testing.assert_allclose(angular_after, angular, atol=(1e-5 if solver == "wcsph" else 1e-3) * whole * size)
