@@ -10,9 +10,6 @@ import numpy as np
 from tests.particles import positions, read_frame, read_table, velocities
 
 RHO, G = 1000.0, 9.81
-COUPLED = ("wcsph", "iisph", "dfsph")
-"""Solvers with which bodies obey forces."""
-
 
 def pool(solver: str, spacing: float, size: tuple[float, float, float], depth: float, body: dict[str, Any], **more: Any):
     """A tank of this size [m] filled to a depth [m], with one body in it."""

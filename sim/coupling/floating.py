@@ -54,6 +54,7 @@ class Floating:
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
         """Wrenches of forces that act beside pressures which are looked for."""
+        self._motions = system.boundary.motions
         self._here = self._local(rigid.motions())
         self._weigh(self._here)
 
@@ -105,6 +106,9 @@ class Floating:
         impulse = np.zeros((self.rigid.count, 6))
         impulse[self._bodies] = dt * wrench
         self.rigid.kick(impulse[:, :3], impulse[:, 3:])
+        self._here = self._local(self.rigid.motions())
+        self._aim()
+        self.system.boundary.move()
 
     def acting(self, index: int) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and torque about its centre of mass [N m] of the fluid on a body, by its index; where pressures are

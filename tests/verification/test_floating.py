@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.floating import COUPLED, RHO, G, momentum, pool, track
-from tests.solvers import probe
+from tests.floating import RHO, G, momentum, pool, track
+from tests.solvers import SOLVERS, probe
 
 BALL = {"type": "sphere", "radius": 0.1}
 BRICK = {"type": "box", "size": [0.24, 0.12, 0.24]}
 VOLUME = {"sphere": 4 / 3 * np.pi * 0.1**3, "box": 0.24 * 0.12 * 0.24}
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in COUPLED[:2])])
+@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("wcsph", "iisph"))])
 def test_a_body_under_water_is_lifted_by_the_weight_of_its_volume(simulate, solver):
     """rho g V (Archimedes); the pool starts without pressure, so that the mean over the later half is taken."""
     body = {"shape": BALL, "position": [0, 0.2, 0]}
@@ -102,7 +102,7 @@ def test_a_body_as_heavy_as_water_stays_where_it_is(simulate):
 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.5, 100.0])
-@pytest.mark.parametrize("solver", COUPLED)
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_momentum_goes_from_one_to_the_other(simulate, solver, ratio):
     """Without gravity a cube of water hits a box off its middle: momentum is kept to 1e-5, angular momentum as the
     solver keeps it: pressures that are looked for act where particles will be, not where they are."""
