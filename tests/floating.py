@@ -11,7 +11,10 @@ from tests.particles import positions, read_frame, read_table, velocities
 
 RHO, G = 1000.0, 9.81
 
-def pool(solver: str, spacing: float, size: tuple[float, float, float], depth: float, body: dict[str, Any], **more: Any):
+
+def pool(
+    solver: str, spacing: float, size: tuple[float, float, float], depth: float, body: dict[str, Any], **more: Any
+):
     """A tank of this size [m] filled to a depth [m], with one body in it."""
     water = {"shape": {"type": "box", "size": [size[0], depth, size[2]]}, "position": [0, depth / 2, 0]}
     fluid = {"solver": solver, "particle_radius": spacing / 2, "bodies": {"water": water}}
@@ -30,7 +33,7 @@ def track(out: Path, column: str, name: str = "body") -> np.ndarray:
 
 
 def momentum(out: Path, frame: int, mass: float, inertia: float, particle_mass: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of fluid and one body, whose inertia is the same about all axes: linear [kg m/s], angular about zero [kg m^2/s]."""
+    """Of fluid and one body, whose inertia is the same about all axes: linear [kg m/s] and angular [kg m^2/s]."""
     points = read_frame(out, frame)
     at, speed = positions(points), velocities(points)
     place, velocity, spin = (

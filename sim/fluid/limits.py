@@ -40,7 +40,7 @@ LIGHT = 25.0
 
 
 def light_limit(signal: float, lightness: float) -> float:
-    """The step [s], of `signal` [s] for sound, in which pressures that follow from positions do not throw back and forth
-    a body whose layer of fluid has `lightness` times its mass: stiffness is the layer's, so that frequencies grow by
-    the square root of the ratio."""
+    """The step [s], of `signal` [s] for sound, in which pressures that follow from positions do not throw about a body
+    whose layer of fluid has `lightness` times its mass: stiffness is the layer's, so that frequencies grow by the
+    square root of the ratio."""
     return signal / math.sqrt(1.0 + lightness / LIGHT)

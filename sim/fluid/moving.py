@@ -40,8 +40,10 @@ class MovingSamples:
         return float((speed + self.reach * turning).max())
 
     def move(self, motions: np.ndarray, samples: ti.Ndarray, velocity: ti.Ndarray) -> None:
-        """Write positions [m] with volumes, and velocities [m/s] with a number for each body, from 1; motions of all, shape
-        [bodies, MOTION]."""
+        """Write positions [m] with volumes, and velocities [m/s] with a number for each body, from 1.
+
+        motions: of all bodies, shape [bodies, MOTION].
+        """
         self._motions.from_numpy(motions)
         _move(self.count, self.first, self._arms, self._body, self._motions, self.here, samples, velocity)
 

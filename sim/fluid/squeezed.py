@@ -9,9 +9,9 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import IntArray, IntTable, Particles, Vec4Array, real, vec4
+from sim.fluid.boundary import Boundary
 from sim.fluid.calibration import lack
 from sim.fluid.kernel import cubic, cubic_slope
-from sim.fluid.boundary import Boundary
 from sim.fluid.walls import Walls, wall_share
 
 CROWD = 1.7

@@ -59,7 +59,9 @@ def test_a_thin_light_plate_comes_up(simulate, solver):
     assert track(out, "y")[-1] > 0.25
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("wcsph", "iisph", "pcisph"))])
+@pytest.mark.parametrize(
+    "solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("wcsph", "iisph", "pcisph"))]
+)
 def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     """The water that was in its place is left out: it begins near its draft, and no faster than it could fall."""
     out = simulate(scene(solver, 0.5, height=0.3), 20, threads=2)

@@ -17,7 +17,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from tests.particles import positions, read_frame, velocities
-from tests.solvers import INCOMPRESSIBLE, ITERATIVE, run_changed
+from tests.solvers import ITERATIVE, run_changed
 
 G, LENGTH, HEIGHT, LAYERS, FPS = 9.81, 0.5, 0.2, 6, 50
 K = np.pi / LENGTH
@@ -106,7 +106,7 @@ def check(out, solver: str, layers: int, periods: float, **fluid) -> None:
     assert abs(error) < 0.02
 
 
-@pytest.mark.parametrize("solver", [TOO_FAST, *INCOMPRESSIBLE])
+@pytest.mark.parametrize("solver", [TOO_FAST, *ITERATIVE, pytest.param("pcisph", marks=pytest.mark.slow)])
 def test_the_period(tmp_path, solver):
     check(tmp_path, solver, 10, 2)
 

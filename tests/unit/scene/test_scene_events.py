@@ -16,11 +16,6 @@ SET = {
     "group of something fixed": ("fluid: {particle_radius: 1 mm}", "fluid.particle_radius can not change"),
     "nothing for the fluid": ("fluid: null", "fluid.particle_radius can not change"),
     "rate of frames": ("fps: 3", "fps can not change"),
-    "motion": (
-        "rigid.bodies.ball.motion: dynamic",
-        "not simulated together with fluid yet",
-        "use motion: static",
-    ),
     "not a name": ('"": 1', "name of a setting"),
 }
 
@@ -50,12 +45,6 @@ EVENTS = {
         "- {",
         "events.0.add.rigid.ball",
         "already a body named 'ball'",
-    ),
-    "dynamic": (
-        "- {at: 0.1, add: {rigid: {b: {shape: {type: sphere, radius: 0.1}, motion: dynamic}}}}",
-        "- {",
-        "events.0.add.rigid.b.motion",
-        "not simulated together with fluid yet",
     ),
     "another motion": (
         "- {at: 0.1, set: {rigid.bodies.ball: {shape: {type: sphere, radius: 0.18}, motion: prescribed, "

@@ -44,13 +44,6 @@ REPLACED = {
     "no frame": ("duration: 0.5", "duration: 1 ms", "duration", "0.012 frames", "0.0833333"),
     "quality": ("quality: draft", "quality: drft", "quality", "did you mean 'draft'?"),
     "solver": ("fluid:", "fluid:\n  solver: wcsp", "fluid.solver", "did you mean 'wcsph'?"),
-    "dynamic": (
-        PLACE,
-        "motion: dynamic",
-        "ball.motion",
-        "not simulated together with fluid yet",
-        "use motion: static",
-    ),
     "unsorted keyframes": (
         PLACE,
         "motion: prescribed\n      keyframes: [{at: 1, position: [0, 0, 0]}, {at: 0.5, position: [0, 1, 0]}]",

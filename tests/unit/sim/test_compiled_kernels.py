@@ -29,7 +29,12 @@ ADDED = {
     "bodies that move": (
         {},
         {"rigid": {"bodies": {"ball": BALL | {"motion": "prescribed", "velocity": [0, 0.1, 0]}}}},
-        {"moving", "solids"},
+        {"moving", "solids", "squeezed"},
+    ),
+    "bodies that obey forces": (
+        {},
+        {"rigid": {"bodies": {"ball": BALL | {"motion": "dynamic"}}}},
+        {"moving", "solids", "squeezed", "reaction_sums"},
     ),
     "emitters": ({"emitters": {"spout": SPOUT}}, {}, {"streams"}),
     "drains": ({"drains": {"all": {"shape": {"type": "box", "size": [1, 1, 1]}}}}, {}, {"drains"}),
