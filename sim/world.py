@@ -244,11 +244,14 @@ class World:
         prescribed = self.obstacles.prescribed if self.rigid else {}
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
-        told = self.rigid.advance(dt, moved) if self.rigid and not together else {}
+        told = {}
+        if self.rigid and not together:
+            told = self.rigid.advance(dt, moved)
+            self._follow()
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
             told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
-        if self.rigid:
+        if together:
             self._follow()
         self.time = until
         return told
@@ -259,11 +262,9 @@ class World:
             item.motion.now = self.rigid.movement(index)
 
     def _advance_fluid(self, dt: float, until: float, moved: dict[int, Movement]) -> dict[str, float]:
-        if self.rigid and not self.fluid.count:
-            self._follow()
         self._aim(until)
         if self.floating:
-            self.floating.begin(self.fluid.system.boundary.motions, moved)
+            self.floating.begin(moved)
         if self.flow:
             self.flow.time = self.time
         if self.fluid.count:

@@ -54,14 +54,13 @@ class Floating:
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
         """Wrenches of forces that act beside pressures which are looked for."""
-        self._motions = system.boundary.motions
         self._here = self._local(rigid.motions())
         self._weigh(self._here)
 
-    def begin(self, motions: np.ndarray, movements: Mapping[int, Movement]) -> None:
-        """A step begins after which prescribed bodies are at these `movements`, by index; `motions` of all that move
-        (`sim.fluid.moving`), in which those of the bodies are to be filled in."""
-        self._motions, self._movements = motions, movements
+    def begin(self, movements: Mapping[int, Movement]) -> None:
+        """A step begins after which prescribed bodies are at these `movements`, by index; samples of theirs are aimed
+        there already."""
+        self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:
         self._steady = self.reaction.forces(momentum)
@@ -157,8 +156,7 @@ class Floating:
         self.system.boundary.move()
 
     def _aim(self) -> None:
-        self._motions[self._rows] = self._here
-        self.system.boundary.aim(self._motions)
+        self.system.boundary.motions[self._rows] = self._here
 
 
 def _refuse(system: FluidSystem) -> None:

@@ -141,7 +141,7 @@ class RigidPart:
         return self.told
 
     def foresee(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
-        """Where `advance` would take bodies, and how fast they would be: rows of MOTIONS, shape [bodies, 18]."""
+        """Where `advance` would take bodies, and how fast they would be: rows of `motions`."""
         kept = [values.copy() for values in self._moving]
         self._move(dt, movements)
         rows = self.motions()

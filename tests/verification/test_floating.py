@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.floating import RHO, G, momentum, pool, track
+from tests.particles import read_frame
 from tests.solvers import SOLVERS, probe
 
 BALL = {"type": "sphere", "radius": 0.1}
@@ -60,8 +61,6 @@ def error_of_draft(simulate, shape: dict, ratio: float, spacing: float, name: st
     scene = pool("dfsph", spacing, (side, 0.8, side), depth, body, fluid={"viscosity": 2e-4})
     out = simulate(scene, 100, name)
     found = track(out, "y")[-50:].mean() - height / 2
-    from tests.particles import read_frame
-
     fluid = len(read_frame(out, 100)) * spacing**3
     level = (fluid + ratio * VOLUME[kind]) / side**2
     return level - found - draft(kind, ratio)
