@@ -146,13 +146,14 @@ class World:
 
         spacing = self.spec.fluid.spacing
         depth = sample_depth(spacing, self.spec.fluid.support_radius)
-        samples, owner = boundary_samples(self.obstacles, spacing, depth)
         self.fluid = FluidPart(
             self.spec.fluid,
             self.gravity,
             self.origin,
             state,
-            Surroundings(self.obstacles.planes(), samples, owner, pivots(self.obstacles)),
+            Surroundings(
+                self.obstacles.planes(), boundary_samples(self.obstacles, spacing, depth), pivots(self.obstacles)
+            ),
             drop=self._top - self.floor,
             fastest=self._fastest,
         )

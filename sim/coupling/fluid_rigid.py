@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from sim.fluid.calibration import SAMPLE_DEPTH
 from sim.fluid.friction import find_grip, sample_friction_host
 from sim.fluid.kernel import cubic_slope_host
+from sim.fluid.samples import Samples
 from sim.fluid.system import FluidSystem
 from sim.fluid.walls import along_walls_host
 from sim.geometry.distance import MeshDistance
@@ -29,19 +30,20 @@ EDGE_ROOM = 0.6
 """Samples of the faces nearer than this many spacings to one behind an edge give way to it."""
 
 
-def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Samples of all surfaces and the index in `obstacles.placed` of the body of each.
+def boundary_samples(obstacles: Obstacles, spacing: float, depth: float) -> Samples:
+    """Samples of all surfaces, with the index in `obstacles.placed` as their owner.
 
     They lie `depth` [m] below the surface, on the side away from the fluid, so that fluid comes to
     rest on the surface itself, and no deeper behind sharp edges, which fluid would cut off otherwise.
-    Those of bodies that move lie where the body is placed. Shapes [n, 3] and [n].
+    Those of bodies that move lie where the body is placed.
     """
-    points, owner = [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
+    points, guarded, owner = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int32)]
     for index, item in enumerate(obstacles.placed):
-        samples = _samples(item, spacing, depth)
-        points.append(samples)
-        owner.append(np.full(len(samples), index, dtype=np.int32))
-    return np.concatenate(points), np.concatenate(owner)
+        faces, rows, edges = _samples(item, spacing, depth)
+        points += [faces, rows]
+        guarded += [np.full(faces.shape, np.nan), edges]
+        owner.append(np.full(len(faces) + len(rows), index, dtype=np.int32))
+    return Samples(np.concatenate(points), np.concatenate(owner), np.concatenate(guarded))
 
 
 def pivots(obstacles: Obstacles) -> dict[int, np.ndarray]:
@@ -90,9 +92,9 @@ def off_samples(
         placed, near = _placed(item, points, reach, time)
         near &= free
         free[near] &= _distance(_surface(item, depth), placed[near]) > reach
-        edges = _behind_edges(item, spacing, depth)
-        if len(edges):
-            nearest, _ = cKDTree(edges).query(placed[near], distance_upper_bound=reach)
+        rows, _ = _behind_edges(item, spacing, depth)
+        if len(rows):
+            nearest, _ = cKDTree(rows).query(placed[near], distance_upper_bound=reach)
             free[near] &= np.isinf(nearest)
     return free
 
@@ -112,18 +114,19 @@ def _distance(surface: Solid | trimesh.Trimesh, points: np.ndarray) -> np.ndarra
     return MeshDistance(surface).unsigned(points)
 
 
-def _samples(item: Obstacle, spacing: float, depth: float) -> np.ndarray:
-    samples = sample_surface(_surface(item, depth), spacing)
-    edges = _behind_edges(item, spacing, depth)
-    if not len(edges):
-        return samples
-    distance, _ = cKDTree(edges).query(samples)
-    return np.concatenate((samples[distance > EDGE_ROOM * spacing], edges))
+def _samples(item: Obstacle, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples behind faces, those behind edges, and the points of the edges [m]; each of shape [n, 3]."""
+    faces = sample_surface(_surface(item, depth), spacing)
+    rows, edges = _behind_edges(item, spacing, depth)
+    if not len(rows):
+        return faces, rows, edges
+    distance, _ = cKDTree(rows).query(faces)
+    return faces[distance > EDGE_ROOM * spacing], rows, edges
 
 
-def _behind_edges(item: Obstacle, spacing: float, depth: float) -> np.ndarray:
+def _behind_edges(item: Obstacle, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
     if not item.solid.closed:
-        return np.zeros((0, 3))
+        return np.zeros((0, 3)), np.zeros((0, 3))
     # A row weighs less than a face: with a long support, for which faces lie deep, it has to stand nearer.
     behind = (depth + SAMPLE_DEPTH * spacing) / 2
     return behind_edges(item.solid.mesh, spacing, -behind if item.hollow else behind)

@@ -8,18 +8,17 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import numpy_real, vec4
-from sim.fluid.calibration import sample_weight
-from sim.fluid.kernel import cubic_host
 from sim.neighbors import NeighborList, StaticGrid
 
 if TYPE_CHECKING:
     from sim.fluid.moving import MovingSamples
+    from sim.fluid.samples import Samples
 
 
 class Boundary:
     """Samples of surfaces: those that stand, in the order of their cells, then those that move.
 
-    points: positions [m], shape [n, 3]; owner: index of the body of each, shape [n]; spacing [m] of the fluid;
+    found: all of them; spacing [m] of the fluid;
     search_radius [m], at least the support radius, within which they are listed; pivots: own origin [m], shape [3], of
     the bodies that move, by index. Points and pivots are where the bodies are placed.
     `samples` holds position and weighted volume of each sample [m^3]; `velocity` is given where some move [m/s].
@@ -27,20 +26,19 @@ class Boundary:
 
     def __init__(
         self,
-        points: np.ndarray,
-        owner: np.ndarray,
+        found: Samples,
         spacing: float,
         support_radius: float,
         search_radius: float,
         pivots: dict[int, np.ndarray],
     ):
+        points, owner = found.points, found.owner
         self.count = len(points)
         moving = np.isin(owner, list(pivots))
         self.grid = StaticGrid(points[~moving], search_radius)
         # Volumes of bodies that move are their own: they can not depend on where a run goes on.
         groups = [np.flatnonzero(~moving), *(np.flatnonzero(owner == index) for index in pivots)]
-        weight = sample_weight(spacing, support_radius)
-        volumes = np.concatenate([weight * sample_volumes(points[group], support_radius) for group in groups])
+        volumes = np.concatenate([found.volumes(group, spacing, support_radius) for group in groups])
         self.standing = len(groups[0])
         in_cells = np.concatenate((self.grid.order, np.arange(self.standing, self.count)))
         order = np.concatenate(groups)[in_cells]
@@ -100,17 +98,3 @@ class Boundary:
         table = 4 * np.dtype(numpy_real).itemsize * self.count
         own = table + self.grid.bytes + self.neighbors.bytes
         return own + (table + self.moving.bytes if self.moves else 0)
-
-
-def sample_volumes(points: np.ndarray, support_radius: float) -> np.ndarray:
-    """V_b = 1 / sum_k W(x_b - x_k) over all boundary samples [m^3] (Akinci et al. 2012, eq. 4)."""
-    if not len(points):
-        return np.zeros(0)
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(points)
-    pairs = tree.sparse_distance_matrix(tree, support_radius, output_type="coo_matrix")
-    weights = np.bincount(pairs.row, cubic_host(pairs.data, support_radius), minlength=len(points))
-    own = float(cubic_host(np.zeros(1), support_radius)[0])
-    counted = np.bincount(pairs.row[pairs.row == pairs.col], minlength=len(points))
-    return 1.0 / (weights + own * (counted == 0))

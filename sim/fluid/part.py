@@ -13,6 +13,7 @@ from sim.fluid import load_solver
 from sim.fluid.added import force_arrays
 from sim.fluid.boundary import Boundary
 from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
+from sim.fluid.samples import Samples
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
@@ -61,13 +62,12 @@ class FluidState:
 class Surroundings:
     """What the fluid meets: walls and boundary samples in world coordinates [m].
 
-    planes: unit normal and offset, shape [m, 4]; samples: shape [n, 3]; owner: index of the body of each sample;
-    pivots: by index the own origins, shape [3], of bodies that move, whose samples are where the bodies are placed.
+    planes: unit normal and offset, shape [m, 4]; pivots: by index the own origins, shape [3], of bodies
+    that move, whose samples are where the bodies are placed.
     """
 
     planes: np.ndarray
-    samples: np.ndarray
-    owner: np.ndarray
+    samples: Samples
     pivots: dict[int, np.ndarray]
 
 
@@ -138,8 +138,7 @@ class FluidPart:
         solver = load_solver(fluid.solver)
         reach = h * (1 + solver.SKIN)
         pivots = {index: pivot - origin for index, pivot in surroundings.pivots.items()}
-        samples = surroundings.samples - origin
-        boundary = Boundary(samples, surroundings.owner, fluid.spacing, h, reach, pivots)
+        boundary = Boundary(surroundings.samples.moved(-origin), fluid.spacing, h, reach, pivots)
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity

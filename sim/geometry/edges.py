@@ -21,8 +21,9 @@ ROW, CORNER = 0.9, 0.75
 a face at the full depth."""
 
 
-def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> np.ndarray:
-    """Points [m], shape [n, 3], about `spacing` [m] apart and about `depth` [m] behind sharp convex edges and corners.
+def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points [m] about `spacing` [m] apart and about `depth` [m] behind sharp convex edges and corners, and the points
+    of the edges that they stand behind; both of shape [n, 3].
 
     Behind means along the bisector of the faces that meet; with a negative depth, before the sharp concave ones.
     """
@@ -30,7 +31,7 @@ def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> np.ndar
     sharp = convex & (mesh.face_adjacency_angles > SHARP)
     edges = mesh.face_adjacency_edges[sharp]
     if not len(edges):
-        return np.zeros((0, 3))
+        return np.zeros((0, 3)), np.zeros((0, 3))
     outward = _unit(mesh.face_normals[mesh.face_adjacency[sharp]].sum(axis=1))
     vertices, end = np.unique(edges, return_inverse=True)
     at_vertex = np.zeros((len(vertices), 3))
@@ -42,7 +43,7 @@ def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> np.ndar
     points = np.concatenate((mesh.vertices[vertices], (1 - share) * ends[edge, 0] + share * ends[edge, 1]))
     directions = np.concatenate((CORNER * _unit(at_vertex), ROW * outward[edge]))
     kept = first_come(points, EDGE_DISK * spacing)
-    return points[kept] - depth * directions[kept]
+    return points[kept] - depth * directions[kept], points[kept]
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -177,7 +177,7 @@ def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arr
     away = distance.MeshDistance(mesh).unsigned(corners).reshape(shape)
     inside = winding.WindingNumber(mesh).on_lattice(low, cell, shape) > 0
     hull = mesh.convex_hull.vertices if len(vertices) > 4 else vertices
-    edges = behind_edges(mesh, cell, 1e-9 * cell)
+    edges, _ = behind_edges(mesh, cell, 1e-9 * cell)
     surface, _, _ = distance.cover(vertices[faces], int(mesh.area / cell**2))
     points = np.concatenate((hull, edges, vertices, surface))
     kept = scatter.first_come(points[len(hull) :], 0.7 * cell)

@@ -91,7 +91,7 @@ def test_a_wall_replaces_what_the_lattice_lacks(ratio):
 
 
 def test_samples_replace_what_the_lattice_lacks(taichi):
-    from sim.fluid.boundary import sample_volumes
+    from sim.fluid.samples import sample_volumes
 
     spacing = H / 2
     axis = np.arange(-6, 7) * spacing

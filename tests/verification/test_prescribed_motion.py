@@ -135,9 +135,10 @@ def test_samples_follow_on_the_device(case, tmp_path):
     spec = SimulationSpec.model_validate({"rigid": {"bodies": {"ball": ball, "body": CASES[case][0]}}})
     obstacles = find_obstacles(spec, tmp_path)
     origin = np.array([0.5, 1.0, 1.0])
-    points, owner = boundary_samples(obstacles, 0.02, 0.016)
+    samples = boundary_samples(obstacles, 0.02, 0.016)
+    points, owner = samples.points, samples.owner
     moved = {index: pivot - origin for index, pivot in pivots(obstacles).items()}
-    boundary = Boundary(points - origin, owner, 0.02, 0.04, 0.04, moved)
+    boundary = Boundary(samples.moved(-origin), 0.02, 0.04, 0.04, moved)
     for time in TIMES[:-1]:
         boundary.aim(motions(obstacles, origin, time))
         boundary.move()

@@ -11,9 +11,9 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.fluid.boundary import sample_volumes
-from sim.fluid.calibration import lack, sample_depth, sample_weight
+from sim.fluid.calibration import lack, sample_depth
 from sim.fluid.kernel import cubic_host, particle_mass
+from sim.fluid.samples import Samples
 from sim.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.sharp_bodies import SPACING, sharp_bodies
@@ -25,8 +25,8 @@ RATIOS = (3.0, 4.0, 4.5, 5.0, 6.0)
 
 def lone_density(points, samples, h):
     """Density over the rest density of a particle alone at each of the points."""
-    volumes = sample_weight(SPACING, h) * sample_volumes(samples, h)
-    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(samples), h, output_type="coo_matrix")
+    volumes = samples.volumes(np.arange(len(samples.points)), SPACING, h)
+    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(samples.points), h, output_type="coo_matrix")
     share = np.bincount(pairs.row, volumes[pairs.col] * cubic_host(pairs.data, h), minlength=len(points))
     return share + particle_mass(SPACING, h, 1.0) * cubic_host(np.zeros(1), h)[0]
 
@@ -40,7 +40,7 @@ def test_a_lone_particle_is_pushed_out_wherever_it_meets_the_surface(tmp_path, n
     obstacles = find_obstacles(spec, tmp_path)
     mesh = obstacles.placed[0].solid.mesh
     h = ratio * SPACING / 2
-    samples, _ = boundary_samples(obstacles, SPACING, sample_depth(SPACING, h))
+    samples = boundary_samples(obstacles, SPACING, sample_depth(SPACING, h))
     on_faces, _ = trimesh.sample.sample_surface(mesh, 5000, seed=1)
     along = np.linspace(0, 1, 50)[:, None]
     edges = mesh.face_adjacency_edges[mesh.face_adjacency_angles > 0.7]
@@ -57,4 +57,4 @@ def test_a_lattice_at_rest_has_the_rest_density(ratio):
     flat = np.column_stack((x.ravel(), np.zeros(x.size), z.ravel()))
     above = np.array([[0, sample_depth(SPACING, h) + 0.5 * SPACING, 0]])
     own = particle_mass(SPACING, h, 1.0) * cubic_host(np.zeros(1), h)[0]
-    assert lone_density(above, flat, h)[0] - own == pytest.approx(lack(SPACING, h).density, rel=1e-3)
+    assert lone_density(above, Samples.of_faces(flat), h)[0] - own == pytest.approx(lack(SPACING, h).density, rel=1e-3)

@@ -162,6 +162,7 @@ def adhesive(points: np.ndarray, walls: str):
     from sim.fluid.adhesion import Adhesion
     from sim.fluid.boundary import Boundary
     from sim.fluid.calibration import SAMPLE_DEPTH
+    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.walls import Walls
@@ -171,7 +172,7 @@ def adhesive(points: np.ndarray, walls: str):
     x, z = (values.ravel() for values in np.meshgrid(axis, axis))
     samples = np.column_stack((x, np.full(len(x), -SAMPLE_DEPTH * SPACING), z))[: len(x) if walls == "samples" else 0]
     planes = np.array([[0.0, 1.0, 0.0, 0.0]])[: walls == "planes"]
-    boundary = Boundary(samples, np.zeros(len(samples), np.int32), SPACING, H, H, {})
+    boundary = Boundary(Samples.of_faces(samples), SPACING, H, H, {})
     system = FluidSystem(spec, np.zeros(3), Walls(planes, SPACING, H), boundary)
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
@@ -228,6 +229,7 @@ def test_a_drop_spreads_further_on_a_plate_that_it_adheres_to(tmp_path):
 def test_pairs_beyond_the_support_do_not_count(taichi):
     """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
     from sim.fluid.boundary import Boundary
+    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.tension import ARRAYS, Tension
@@ -238,7 +240,7 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     points = np.column_stack((rng.uniform(0, 6 * SPACING, (200, 3)), np.zeros(200))).astype(np.float32)
     found = []
     for skin in (0.0, 0.3):
-        boundary = Boundary(np.zeros((0, 3)), np.zeros(0, np.int32), SPACING, H, H, {})
+        boundary = Boundary(Samples.of_faces(np.zeros((0, 3))), SPACING, H, H, {})
         system = FluidSystem(spec, np.zeros(3), Walls(np.zeros((0, 4)), SPACING, H), boundary, ARRAYS, skin)
         density = np.tile(np.array([0, 0, 0, RHO], np.float32), (200, 1))
         tag = np.column_stack((np.arange(200), np.zeros(200))).astype(np.int32)

@@ -90,6 +90,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     from sim.fluid.boundary import Boundary
     from sim.fluid.calibration import SAMPLE_DEPTH
     from sim.fluid.mixing import mixing_arrays
+    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.walls import Walls
@@ -102,7 +103,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     x, z = (values.ravel() for values in np.meshgrid(along, across))
     samples = np.concatenate([np.zeros((0, 3)), *(np.column_stack((x, np.full(len(x), y), z)) for y in sheets)])
     runs = {0: np.zeros(3)} if walls == "belt" else {}
-    boundary = Boundary(samples, np.zeros(len(samples), np.int32), SPACING, H, H, runs)
+    boundary = Boundary(Samples.of_faces(samples), SPACING, H, H, runs)
     boundary.aim(np.array([[*np.eye(3).ravel(), 0, 0, 0, 1, 0, 0, 0, 0, 0]], dtype=float))
     boundary.move()
     implicit = spec.viscosity_solver == "implicit"

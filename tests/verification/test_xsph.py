@@ -23,6 +23,7 @@ def test_velocities_become_what_the_sum_says(taichi):
     """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989)."""
     from sim.fluid.boundary import Boundary
     from sim.fluid.mixing import Mixing, mixing_arrays
+    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.walls import Walls
@@ -30,7 +31,7 @@ def test_velocities_become_what_the_sum_says(taichi):
     rng = np.random.default_rng(4)
     x, v, rho = rng.uniform(0, 5 * SPACING, (200, 3)), rng.normal(size=(200, 3)), rng.uniform(500, 1100, 200)
     spec = Fluid(particle_radius=SPACING / 2, xsph=SHARE)
-    boundary = Boundary(np.zeros((0, 3)), np.zeros(0, np.int32), SPACING, H, H, {})
+    boundary = Boundary(Samples.of_faces(np.zeros((0, 3))), SPACING, H, H, {})
     walls = Walls(np.zeros((0, 4)), SPACING, H)
     system = FluidSystem(spec, np.zeros(3), walls, boundary, mixing_arrays(spec, False))
     zero = np.zeros((200, 4), np.float32)

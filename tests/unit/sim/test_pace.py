@@ -12,13 +12,14 @@ def test_the_step_is_that_of_the_first_particle(taichi):
     """v t + a t^2 = s, solved for each particle by its polynomial; none has both the greatest v and the greatest a."""
     from sim.fluid.boundary import Boundary
     from sim.fluid.limits import way_limit
+    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.walls import Walls
 
     speed, acceleration = np.array([3.0, 0.0, 1.5, 0.2]), np.array([9.81, 800.0, 300.0, 0.0])
     spec = Fluid(particle_radius=0.01)
-    none = Boundary(np.zeros((0, 3)), np.zeros(0, np.int32), spec.spacing, spec.support_radius, spec.support_radius, {})
+    none = Boundary(Samples.of_faces(np.zeros((0, 3))), spec.spacing, spec.support_radius, spec.support_radius, {})
     walls = Walls(np.zeros((0, 4)), spec.spacing, spec.support_radius)
     system = FluidSystem(spec, np.zeros(3), walls, none)
     axis = np.array([[0.6, 0.0, -0.8]])
