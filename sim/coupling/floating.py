@@ -15,6 +15,7 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from sim.coupling.film import Film
 from sim.coupling.lightness import lightness
 from sim.fluid.momentum import Momentum
 from sim.fluid.reaction import Reaction
@@ -50,6 +51,7 @@ class Floating:
             for mesh, body in zip(surfaces, bodies, strict=True)
         )
         self.reaction = Reaction(system, list(rows.values()))
+        self.film = Film(system, list(rows.values()), surfaces, [body.pivot for body in bodies])
         self._bodies, self._rows = np.array(list(rows)), np.array(list(rows.values()))
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
@@ -63,7 +65,7 @@ class Floating:
         self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum)
+        self._steady = self.reaction.forces(momentum) + self.film.wrenches(self._here)
 
     def foresee(self, dt: float) -> None:
         last = self.pushed
@@ -98,7 +100,7 @@ class Floating:
         return self._advance(dt, whole)
 
     def strike(self, dt: float, momentum: Momentum) -> None:
-        self._push(self.reaction.forces(momentum))
+        self._push(self.reaction.forces(momentum) + self.film.wrenches(self._here))
         self.kick(dt / 2, self.pushed)
 
     def kick(self, dt: float, wrench: np.ndarray) -> None:

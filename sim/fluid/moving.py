@@ -32,7 +32,7 @@ class MovingSamples:
         self._body.from_numpy(body.astype(np.int32))
         self._motions = ti.ndarray(ti.f64, (bodies, MOTION))
         self.here = ti.ndarray(vec4, self.count)
-        self._sorted = ti.ndarray(vec4, self.count)
+        self.sorted = ti.ndarray(vec4, self.count)
 
     def fastest(self, motions: np.ndarray) -> float:
         """The greatest speed [m/s] of a sample, from the motions of all bodies, shape [bodies, MOTION]."""
@@ -49,8 +49,8 @@ class MovingSamples:
 
     def find(self, position: ti.Ndarray, count: int) -> None:
         """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
-        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self._sorted)
-        self.near.build(position, count, self.grid, self._sorted, same=False)
+        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self.sorted)
+        self.near.build(position, count, self.grid, self.sorted, same=False)
 
     def append(self, count: int, lists: NeighborList, *, fresh: bool) -> int:
         """Add what `find` has listed to the lists of others, or begin them where `fresh`.

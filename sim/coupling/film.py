@@ -1,0 +1,166 @@
+"""Films of fluid that have no room for particles: under a body that lies on the ground, between bodies that touch.
+
+In a film of even thickness that nothing stirs the pressure obeys Laplace's equation (Reynolds 1886), between the
+pressures along its rim; that of a half-plane is the mean of those, each by one over the square of its distance, and so
+is taken everywhere. Up and down in a film pressure changes by the weight of the fluid. It acts on bodies that move
+only, with the pressures of the last step; what lies dry all around has none under it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import taichi as ti
+import trimesh
+from scipy.spatial import cKDTree
+
+from sim.arrays import numpy_real, vec3, vec4
+from sim.coupling.film_sums import place, press
+from sim.fluid.calibration import lack
+from sim.fluid.system import FluidSystem
+from sim.geometry.distance import cover
+from sim.geometry.scatter import first_come
+from sim.neighbors import NeighborList
+
+APART = 0.8
+"""Elements of a surface stand this many spacings apart, or on faces that are turned by half of it in radians."""
+BESIDE = 1.6
+"""Elements that are so many spacings apart may share the rim of a film."""
+REACH = 2.0
+"""Films are looked for where solids come so many spacings near."""
+
+
+def elements(mesh: trimesh.Trimesh, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points [m] of a surface and the areas [m^2] that they stand for, as vectors outward; both of shape [n, 3].
+
+    The areas of a closed surface add up to nothing.
+    """
+    points, faces, _ = cover(mesh.triangles, int(4 * mesh.area / spacing**2) + 1)
+    areas = (mesh.area_faces / np.bincount(faces, minlength=len(mesh.faces)))[faces, None] * mesh.face_normals[faces]
+    both = np.concatenate((points / spacing, 2.0 * mesh.face_normals[faces]), axis=1)
+    kept = first_come(both, APART)
+    _, nearest = cKDTree(both[kept]).query(both)
+    weight = np.linalg.norm(areas, axis=1)
+    centre, area = np.zeros((len(kept), 3)), np.zeros((len(kept), 3))
+    np.add.at(centre, nearest, weight[:, None] * points)
+    np.add.at(area, nearest, areas)
+    return centre / np.bincount(nearest, weight)[:, None], area
+
+
+class Film:
+    """The films about the bodies that are the `rows` of those that move in the boundary of `system`.
+
+    surfaces: of these bodies as placed; pivots: their own origins [m], as placed, shape [3] each.
+    """
+
+    def __init__(
+        self, system: FluidSystem, rows: Sequence[int], surfaces: Sequence[trimesh.Trimesh], pivots: Sequence[np.ndarray]
+    ):
+        self.system = system
+        spacing = system.spec.spacing
+        parts = [elements(mesh, spacing) for mesh in surfaces]
+        arms = np.concatenate([points - pivot for (points, _), pivot in zip(parts, pivots, strict=True)])
+        areas = np.concatenate([area for _, area in parts])
+        sizes = [len(points) for points, _ in parts]
+        body = np.repeat(np.arange(len(parts)), sizes)
+        self.count = len(arms)
+        self._arms, self._areas = _vectors(arms), _vectors(areas)
+        self._body = _integers(body)
+        self._number = _integers(np.asarray(rows) + 1)
+        self._ends = _integers(np.concatenate(([0], np.cumsum(sizes))))
+        self._beside = _integers(_beside(arms, body, BESIDE * spacing))
+        self._here, self._ahead, self._beyond, self._normals, self._found, self._forces = (
+            ti.ndarray(vec4, self.count) for _ in range(6)
+        )
+        self._motions = ti.ndarray(ti.f64, (len(parts), 18))
+        self._wrench = ti.ndarray(ti.f64, (len(parts), 6))
+        self._lacking = lack(spacing, system.h).density
+        self._near, self._far, self._standing, self._moving = (NeighborList(48) for _ in range(4))
+
+    def wrenches(self, motions: np.ndarray) -> np.ndarray:
+        """Force [N] and torque about their own origins [N m] on bodies that have moved by `motions`, shape [bodies, 6];
+        particles, their pressures and samples are where they are now."""
+        system = self.system
+        particles, boundary, walls = system.particles, system.boundary, system.walls
+        self._motions.from_numpy(np.ascontiguousarray(motions))
+        place(
+            self._arms,
+            self._areas,
+            self._body,
+            self._motions,
+            system.spec.spacing,
+            self._here,
+            self._ahead,
+            self._beyond,
+            self._normals,
+        )
+        self._near.build(self._ahead, self.count, system.grid, particles.position, same=False)
+        self._far.build(self._beyond, self.count, system.grid, particles.position, same=False)
+        if boundary.standing:
+            self._standing.build(self._ahead, self.count, boundary.grid, boundary.samples, same=False)
+        moving = boundary.moving
+        self._moving.build(self._ahead, self.count, moving.grid, moving.sorted, same=False)
+        press(
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            self._lacking,
+            vec3(*system.gravity),
+            particles.position,
+            particles.velocity,
+            self._body,
+            self._number,
+            self._ends,
+            self._beside,
+            self._here,
+            self._ahead,
+            self._beyond,
+            self._normals,
+            self._near.size,
+            self._near.index,
+            self._far.size,
+            self._far.index,
+            boundary.samples,
+            boundary.velocity,
+            boundary.standing > 0,
+            self._standing.size,
+            self._standing.index,
+            moving.first,
+            moving.grid.order,
+            self._moving.size,
+            self._moving.index,
+            walls.count,
+            walls.fit,
+            walls.planes,
+            self._found,
+            self._forces,
+            self._motions,
+            self._wrench,
+        )
+        return self._wrench.to_numpy()
+
+
+def _beside(points: np.ndarray, body: np.ndarray, radius: float) -> np.ndarray:
+    """For each element those of its own body within `radius` [m], itself in the places that are left."""
+    apart = np.column_stack((points, 10.0 * (1.0 + np.ptp(points)) * body))
+    pairs = cKDTree(apart).query_pairs(radius, output_type="ndarray")
+    both = np.concatenate((pairs, pairs[:, ::-1]))
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    sizes = np.bincount(both[:, 0], minlength=len(points))
+    rank = np.arange(len(both)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    table = np.repeat(np.arange(len(points))[:, None], max(int(sizes.max(initial=0)), 1), axis=1)
+    table[both[:, 0], rank] = both[:, 1]
+    return table
+
+
+def _vectors(values: np.ndarray) -> ti.Ndarray:
+    array = ti.ndarray(vec4, len(values))
+    array.from_numpy(np.column_stack((values, np.zeros(len(values)))).astype(numpy_real))
+    return array
+
+
+def _integers(values: np.ndarray) -> ti.Ndarray:
+    array = ti.ndarray(ti.i32, values.shape)
+    array.from_numpy(np.ascontiguousarray(values, dtype=np.int32))
+    return array
