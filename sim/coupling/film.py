@@ -27,8 +27,8 @@ APART = 0.8
 """Elements of a surface stand this many spacings apart, or on faces that are turned by half of it in radians."""
 BESIDE = 1.6
 """Elements that are so many spacings apart may share the rim of a film."""
-REACH = 2.0
-"""Films are looked for where solids come so many spacings near."""
+REACH = 1.5
+"""Films are looked for where a body comes so many spacings near a plane, or twice as many near a body."""
 
 
 def elements(mesh: trimesh.Trimesh, spacing: float) -> tuple[np.ndarray, np.ndarray]:
@@ -55,7 +55,11 @@ class Film:
     """
 
     def __init__(
-        self, system: FluidSystem, rows: Sequence[int], surfaces: Sequence[trimesh.Trimesh], pivots: Sequence[np.ndarray]
+        self,
+        system: FluidSystem,
+        rows: Sequence[int],
+        surfaces: Sequence[trimesh.Trimesh],
+        pivots: Sequence[np.ndarray],
     ):
         self.system = system
         spacing = system.spec.spacing
@@ -65,6 +69,8 @@ class Film:
         sizes = [len(points) for points, _ in parts]
         body = np.repeat(np.arange(len(parts)), sizes)
         self.count = len(arms)
+        self.reach = REACH * spacing
+        """By how much [m] the boxes around bodies have to be enlarged to overlap where there is a film."""
         self._arms, self._areas = _vectors(arms), _vectors(areas)
         self._body = _integers(body)
         self._number = _integers(np.asarray(rows) + 1)

@@ -26,8 +26,7 @@ def place(
     beyond: Vec4Array,
     normals: Vec4Array,
 ):
-    """Where elements are, and the first and second layer of particles before them, and the areas that they stand for, as
-    vectors outward."""
+    """Where elements are, the first and second layer of particles before them, and their areas as vectors outward."""
     for e in range(arms.shape[0]):
         b = body[e]
         arm, area = ti.cast(arms[e].xyz, ti.f64), ti.cast(areas[e].xyz, ti.f64)

@@ -65,7 +65,7 @@ class Floating:
         self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum) + self.film.wrenches(self._here)
+        self._steady = self.reaction.forces(momentum) + self._films()
 
     def foresee(self, dt: float) -> None:
         last = self.pushed
@@ -100,7 +100,7 @@ class Floating:
         return self._advance(dt, whole)
 
     def strike(self, dt: float, momentum: Momentum) -> None:
-        self._push(self.reaction.forces(momentum) + self.film.wrenches(self._here))
+        self._push(self.reaction.forces(momentum) + self._films())
         self.kick(dt / 2, self.pushed)
 
     def kick(self, dt: float, wrench: np.ndarray) -> None:
@@ -121,6 +121,11 @@ class Floating:
     def pushed(self) -> np.ndarray:
         """What the fluid does to the bodies: wrenches."""
         return np.concatenate((self.rigid.fluid_force, self.rigid.fluid_torque), axis=1)[self._bodies]
+
+    def _films(self) -> np.ndarray:
+        """Wrenches of the films between solids that are near each other."""
+        near = len(self.rigid.near(self.film.reach))
+        return self.film.wrenches(self._here) if near else np.zeros_like(self._steady)
 
     def _push(self, wrench: np.ndarray) -> None:
         self.rigid.fluid_force[self._bodies] = wrench[:, :3]

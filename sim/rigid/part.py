@@ -262,17 +262,21 @@ class RigidPart:
         """Pairs of bodies that may touch within the step, sorted, and how far off contacts are looked for [m]."""
         way = dt * (np.linalg.norm(self.velocity, axis=1) + self._reach * np.linalg.norm(self.spin, axis=1))
         skin = SKIN * self.size
-        solids = slice(0, self._solids)
-        turn = _matrices(self.rotation[solids])
-        middle = self.position[solids] + np.einsum("nij,nj->ni", turn, self._middle)
-        half = np.einsum("nij,nj->ni", np.abs(turn), self._half) + (way + skin)[solids, None]
-        pairs = near_pairs(middle - half, middle + half, self.free[solids])
-        walls = near_planes(middle, half, self.free[solids], self._normals, self._offsets)
-        walls[:, 1] += self._solids
-        pairs = np.concatenate((pairs, walls))
+        pairs = self.near((way + skin)[: self._solids, None])
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         a, b = pairs.T
         return pairs, way[a] + way[b] + np.minimum(skin[a], skin[b])
+
+    def near(self, reach: np.ndarray | float) -> np.ndarray:
+        """Pairs of bodies, one of them free, whose boxes would overlap if larger by `reach` [m] all around."""
+        solids = slice(0, self._solids)
+        turn = _matrices(self.rotation[solids])
+        middle = self.position[solids] + np.einsum("nij,nj->ni", turn, self._middle)
+        half = np.einsum("nij,nj->ni", np.abs(turn), self._half) + reach
+        pairs = near_pairs(middle - half, middle + half, self.free[solids])
+        walls = near_planes(middle, half, self.free[solids], self._normals, self._offsets)
+        walls[:, 1] += self._solids
+        return np.concatenate((pairs, walls))
 
     def _same(self, known: np.ndarray) -> np.ndarray:
         """Where the contacts of the pairs begin and end among those of the pairs `known`, shape [pairs, 2]."""

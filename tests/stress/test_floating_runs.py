@@ -72,13 +72,14 @@ def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     assert counts(out)["particles_without_room"] > 0
 
 
+@pytest.mark.parametrize("height", [0.3, 0.05], ids=["afloat", "on the ground"])
 @pytest.mark.parametrize("solver", ["wcsph", "dfsph"])
-def test_the_same_bytes_again_and_resumed(simulate, solver):
+def test_the_same_bytes_again_and_resumed(simulate, solver, height):
     def bytes_of(out):
         with np.load(out / "state_00006.npz") as state:
             return [state[name].tobytes() for name in sorted(state.files) if name != "meta"]
 
-    small = scene(solver, 0.4, height=0.3, fps=100)
+    small = scene(solver, 0.4, height=height, fps=100)
     whole = simulate(small, 6, "whole", threads=2)
     assert bytes_of(simulate(small, 6, "again", threads=2)) == bytes_of(whole)
     simulate(small, 3, "parts", threads=2)
