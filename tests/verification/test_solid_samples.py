@@ -58,3 +58,35 @@ def test_a_lattice_at_rest_has_the_rest_density(ratio):
     above = np.array([[0, sample_depth(SPACING, h) + 0.5 * SPACING, 0]])
     own = particle_mass(SPACING, h, 1.0) * cubic_host(np.zeros(1), h)[0]
     assert lone_density(above, Samples.of_faces(flat), h)[0] - own == pytest.approx(lack(SPACING, h).density, rel=1e-3)
+
+
+@pytest.mark.parametrize("thickness", [1.0, 1.5, 6.0])
+@pytest.mark.parametrize("motion", ["static", "dynamic"])
+def test_a_body_on_another_does_not_count_twice(tmp_path, motion, thickness):
+    """What lies under a plate of a spacing or more is too far for the first layer on top of it."""
+    from sim.coupling.fluid_rigid import boundary_samples
+
+    size, h = thickness * SPACING, 2 * SPACING
+    axis = np.linspace(-1, 1, 5) * SPACING
+    first = np.array([[x, 0.5 * SPACING, z] for x in axis for z in axis])
+
+    def density(number):
+        plates = {
+            f"plate{k}": {
+                "shape": {"type": "box", "size": [0.6, size, 0.6]},
+                "position": [0, -(k + 0.5) * size, 0],
+                "motion": motion,
+                "density": 500,
+            }
+            for k in range(number)
+        }
+        spec = SimulationSpec.model_validate({"rigid": {"bodies": plates}})
+        samples = boundary_samples(find_obstacles(spec, tmp_path), SPACING, sample_depth(SPACING, h))
+        of_each = [
+            Samples(samples.points[mine], samples.owner[mine], samples.guarded[mine])
+            for mine in (samples.owner == owner for owner in range(number))
+        ]
+        return sum(lone_density(first, one, h) - own for one in of_each)
+
+    own = particle_mass(SPACING, h, 1.0) * cubic_host(np.zeros(1), h)[0]
+    assert density(2) == pytest.approx(density(1), rel=0.01)
