@@ -22,7 +22,6 @@ from sim.fluid.reaction import Reaction
 from sim.fluid.system import FluidSystem
 from sim.rigid.movement import Movement
 from sim.rigid.part import RigidPart
-from sim.settings import Refused
 
 
 class Floating:
@@ -41,7 +40,6 @@ class Floating:
         origin: np.ndarray,
         surfaces: Sequence[trimesh.Trimesh],
     ):
-        _refuse(system)
         self.rigid = rigid
         self.system = system
         layer = system.spec.rest_density * system.spec.spacing
@@ -56,6 +54,8 @@ class Floating:
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
         """Wrenches of forces that act beside pressures which are looked for."""
+        self._ahead = False
+        """Whether bodies are foreseen to be where the step will have taken them."""
         self._here = self._local(rigid.motions())
         self._weigh(self._here)
 
@@ -78,6 +78,17 @@ class Floating:
         self.expected = np.concatenate((last[:, :3] * self._inverse_mass, turning), axis=1)
         """Answers that bodies have been foreseen with."""
         self._found = np.zeros_like(last)
+        self._ahead = True
+
+    def slow(self, dt: float, change: np.ndarray) -> None:
+        masses = np.linalg.inv(self._mobility)
+        force = change[:, :3] / self._inverse_mass
+        wrench = np.concatenate((force, np.einsum("nij,nj->ni", masses, change[:, 3:])), axis=1) / dt
+        self._steady = self._steady + wrench
+        if self._ahead:
+            self._shift(dt, change / dt)
+        else:
+            self.kick(dt, wrench)
 
     def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
         self._found = self._found + wrench
@@ -92,11 +103,13 @@ class Floating:
 
     def settle(self, dt: float) -> dict[str, float]:
         self._push(self._steady + self._found)
+        self._ahead = False
         return self._advance(dt, self._found)
 
     def drift(self, dt: float) -> dict[str, float]:
         whole = self.pushed
         self._push(whole / 2)
+        self._steady = np.zeros_like(whole)
         return self._advance(dt, whole)
 
     def strike(self, dt: float, momentum: Momentum) -> None:
@@ -164,12 +177,3 @@ class Floating:
 
     def _aim(self) -> None:
         self.system.boundary.motions[self._rows] = self._here
-
-
-def _refuse(system: FluidSystem) -> None:
-    if system.implicit_viscosity:
-        raise Refused(
-            "implicit viscosity does not act on rigid bodies with motion 'dynamic' yet",
-            location=("fluid", "viscosity_solver"),
-            remedy="use viscosity_solver: explicit, or a lower viscosity",
-        )

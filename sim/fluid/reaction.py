@@ -43,9 +43,9 @@ class Reaction:
             body_of[mine] = body
             chunks += [(begin, min(begin + CHUNK, mine[-1] + 1), body) for begin in range(mine[0], mine[-1] + 1, CHUNK)]
             ends.append(len(chunks))
-        self._body_of = _table(body_of)
-        self._chunks, self._ends = _table(np.array(chunks, dtype=np.int32)), _table(np.array(ends, dtype=np.int32))
-        self._partial = ti.ndarray(ti.f64, (len(chunks), 6))
+        self.body_of = _table(body_of)
+        self.chunks, self.ends = _table(np.array(chunks, dtype=np.int32)), _table(np.array(ends, dtype=np.int32))
+        self.partial = ti.ndarray(ti.f64, (len(chunks), 6))
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
         self._wrench = ti.ndarray(ti.f64, (self.count, 6))
         self._answer = ti.ndarray(ti.f64, (self.count, 6))
@@ -58,6 +58,7 @@ class Reaction:
 
     def weigh(self, inertia: np.ndarray) -> None:
         """Say how bodies answer forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
+        self.inertia = inertia
         self._inertia.from_numpy(np.ascontiguousarray(inertia))
 
     def forces(self, momentum: Momentum) -> np.ndarray:
@@ -65,8 +66,8 @@ class Reaction:
         system = self.system
         particles, boundary, walls = system.particles, system.boundary, system.walls
         push_back(
-            self._ends,
-            self._chunks,
+            self.ends,
+            self.chunks,
             system.h,
             system.mass,
             system.spec.rest_density,
@@ -89,7 +90,7 @@ class Reaction:
             momentum.damping,
             momentum.adhesion > 0,
             momentum.adhesion,
-            self._partial,
+            self.partial,
             self._wrench,
         )
         return self._wrench.to_numpy()
@@ -124,8 +125,8 @@ class Reaction:
         system = self.system
         particles, boundary, walls = system.particles, system.boundary, system.walls
         answer_pressure(
-            self._ends,
-            self._chunks,
+            self.ends,
+            self.chunks,
             ahead,
             system.h,
             system.mass,
@@ -142,7 +143,7 @@ class Reaction:
             walls.fit,
             walls.planes,
             self._inertia,
-            self._partial,
+            self.partial,
             self._wrench,
             self._answer,
         )
@@ -160,7 +161,7 @@ class Reaction:
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
-            self._body_of,
+            self.body_of,
             walls.count,
             walls.fit,
             walls.planes,
@@ -171,7 +172,7 @@ class Reaction:
 
     @property
     def bytes(self) -> int:
-        return self.near.bytes + 4 * self._body_of.shape[0] + 48 * self._partial.shape[0]
+        return self.near.bytes + 4 * self.body_of.shape[0] + 48 * self.partial.shape[0]
 
 
 def _table(values: np.ndarray) -> ti.Ndarray:

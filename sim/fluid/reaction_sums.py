@@ -13,24 +13,24 @@ vec6d = ti.types.vector(6, ti.f64)
 
 
 @ti.func
-def _vector(table: DoubleTable, row: ti.i32, first: ti.template()) -> vec3:
+def vector(table: DoubleTable, row: ti.i32, first: ti.template()) -> vec3:
     return vec3([ti.cast(table[row, first + axis], real) for axis in ti.static(range(3))])
 
 
 @ti.func
-def _wrench(arm: vec3, force: vec3) -> vec6d:
+def wrench_of(arm: vec3, force: vec3) -> vec6d:
     torque = arm.cross(force)
     return vec6d([force.x, force.y, force.z, torque.x, torque.y, torque.z])
 
 
 @ti.func
-def _keep(table: DoubleTable, row: ti.i32, total: vec6d):
+def keep(table: DoubleTable, row: ti.i32, first: ti.template(), total: vec6d):
     for column in ti.static(range(6)):
-        table[row, column] = total[column]
+        table[row, first + column] = total[column]
 
 
 @ti.func
-def _gather(table: DoubleTable, begin: ti.i32, end: ti.i32) -> vec6d:
+def gather(table: DoubleTable, begin: ti.i32, end: ti.i32) -> vec6d:
     total = vec6d(0.0)
     for row in range(begin, end):
         for column in ti.static(range(6)):
@@ -73,7 +73,7 @@ def push_back(
     softening = SOFTENING * h * h
     for c in range(chunks.shape[0]):
         total = vec6d(0.0)
-        centre = _vector(inertia, chunks[c, 2], 0)
+        centre = vector(inertia, chunks[c, 2], 0)
         for s in range(chunks[c, 0], chunks[c, 1]):
             b, moves = samples[s], sample_velocity[s].xyz
             for k in range(near_size[s - first]):
@@ -94,10 +94,10 @@ def push_back(
                 if ti.static(has_adhesion):
                     r = ti.max(ti.sqrt(r2), 1e-6 * h)
                     a -= adhesion_strength * b.w * adhesion(r * inverse_h) / r * d
-                total += _wrench(x.xyz - centre, -mass * a)
-        _keep(partial, c, total)
+                total += wrench_of(x.xyz - centre, -mass * a)
+        keep(partial, c, 0, total)
     for body in range(wrench.shape[0]):
-        _keep(wrench, body, _gather(partial, ends[body], ends[body + 1]))
+        keep(wrench, body, 0, gather(partial, ends[body], ends[body + 1]))
 
 
 @ti.kernel
@@ -129,7 +129,7 @@ def answer_pressure(
     strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
     for c in range(chunks.shape[0]):
         total = vec6d(0.0)
-        centre = _vector(inertia, chunks[c, 2], 0)
+        centre = vector(inertia, chunks[c, 2], 0)
         for s in range(chunks[c, 0], chunks[c, 1]):
             b = samples[s]
             for k in range(near_size[s - first]):
@@ -139,11 +139,11 @@ def answer_pressure(
                 gradient = strength * b.w * cubic_slope(d.norm() * inverse_h) * d
                 gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
                 q = pressure[i].x if ti.static(found) else pressure[i].w
-                total += _wrench(x - centre, mass * q * gradient)
-        _keep(partial, c, total)
+                total += wrench_of(x - centre, mass * q * gradient)
+        keep(partial, c, 0, total)
     for body in range(wrench.shape[0]):
-        total = _gather(partial, ends[body], ends[body + 1])
-        _keep(wrench, body, total)
+        total = gather(partial, ends[body], ends[body + 1])
+        keep(wrench, body, 0, total)
         for row in ti.static(range(3)):
             answer[body, row] = inertia[body, 3] * total[row]
             turning = ti.cast(0.0, ti.f64)
@@ -184,8 +184,8 @@ def give_way(
                 d = x - samples[s].xyz
                 gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
                 gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
-                arm = x - _vector(inertia, body, 0)
-                given += gradient.dot(_vector(answer, body, 0) + _vector(answer, body, 3).cross(arm))
+                arm = x - vector(inertia, body, 0)
+                given += gradient.dot(vector(answer, body, 0) + vector(answer, body, 3).cross(arm))
         push[i].w = given
 
 

@@ -74,6 +74,9 @@ class Bodies(Protocol):
     def foresee(self, dt: float) -> None:
         """Aim where bodies will be after the step, by what is known before its pressures."""
 
+    def slow(self, dt: float, change: np.ndarray) -> None:
+        """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""
+
     def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
         """Take pressures that act in the step, and move samples to where they take the bodies."""
 

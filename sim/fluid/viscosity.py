@@ -9,11 +9,13 @@ which is made of pair forces alone, so that momentum and angular momentum are ke
 """
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, numpy_real, real, vec3, vec4
+from sim.fluid.drag_sums import bend_of, go, turn
 from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.friction import (
     find_grip,
@@ -27,8 +29,12 @@ from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
+if TYPE_CHECKING:
+    from sim.fluid.drag import Drag
+
 ROUNDING = 4 * float(np.finfo(numpy_real).eps)
 """Residuals below this share of the velocities are rounding."""
+WHOLE, PUSH, DESCEND = range(3)
 CHECK = 4
 """The residual is read back after every so many iterations."""
 
@@ -51,19 +57,40 @@ class Viscosity:
         self.settings = system.spec.implicit_viscosity
         self.grip = find_grip(system.spec)
         self._sums = ti.ndarray(ti.f64, (BLOCKS + 1, 5))
+        self._still, self._nobody = ti.ndarray(vec4, 1), ti.ndarray(ti.f64, (1, 1))
+        self._dragged: Drag | None = None
+
+    def _drag(self) -> "Drag | None":
+        """The part of bodies that obey forces, if there are any that the fluid sticks to."""
+        if self._dragged is None and self.system.bodies and self.grip.samples > 0:
+            from sim.fluid.drag import Drag
+
+            self._dragged = Drag(self.system, self.grip)
+        return self._dragged
 
     def apply(self, dt: float) -> dict[str, float]:
         """Replace the velocities by those after `dt` of friction; returns the statistics."""
         system, particles = self.system, self.system.particles
         viscosity = dt * system.spec.viscosity
+        drag = self._drag()
         self._begin(dt, viscosity)
+        if drag:
+            drag.begin(viscosity, self._sums)
         iterations, solved = 0, self._is_solved()
         while not solved and iterations < self.settings.max_iterations:
             for _ in range(min(CHECK, self.settings.max_iterations - iterations)):
-                self._iterate(viscosity)
+                if drag:
+                    drag.push()
+                    self._iterate(PUSH, viscosity)
+                    drag.pull()
+                    self._iterate(DESCEND, viscosity)
+                else:
+                    self._iterate(WHOLE, viscosity)
                 iterations += 1
             solved = self._is_solved()
         _finish(system.count, 1.0 / dt, solved, particles.velocity, particles.slowing, particles.residual)
+        if drag:
+            system.bodies.slow(dt, drag.finish(solved=solved))
         return {"viscosity_iterations": iterations, "capped": not solved}
 
     def _is_solved(self) -> bool:
@@ -102,10 +129,11 @@ class Viscosity:
         )
         system.forgetful = False
 
-    def _iterate(self, viscosity: float) -> None:
-        system = self.system
+    def _iterate(self, part: int, viscosity: float) -> None:
+        system, drag = self.system, self._dragged
         particles, walls = system.particles, system.walls
         _iterate(
+            part,
             system.count,
             system.h,
             system.spec.spacing,
@@ -124,10 +152,12 @@ class Viscosity:
             particles.inverse,
             particles.inverse_off,
             *system.lists,
+            drag.search if drag else self._still,
             walls.count,
             walls.setback,
             walls.planes,
             self._sums,
+            drag.table if drag else self._nobody,
         )
 
 
@@ -246,6 +276,7 @@ def _begin(
 
 @ti.kernel
 def _iterate(
+    part: ti.template(),
     count: ti.i32,
     h: real,
     spacing: real,
@@ -269,77 +300,94 @@ def _iterate(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
+    sample_search: Vec4Array,
     wall_count: ti.i32,
     wall_setback: real,
     planes: Vec4Array,
     sums: DoubleTable,
+    bodies: DoubleTable,
 ):
-    """One step of conjugate gradients; where the residual vanishes it does nothing."""
+    """One step of conjugate gradients; where the residual vanishes it does nothing.
+
+    Where bodies have a part in it, those before and after the images of their searches are two calls.
+    """
     inverse_h = 1.0 / h
     slope_norm = 8.0 / ti.math.pi * inverse_h**5
     softening = SOFTENING * h * h
-    for i in range(count):
-        x, p = position[i].xyz, search[i]
-        pull = vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            pj = search[j]
-            d = x - position[j].xyz
-            r2 = d.dot(d)
-            strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p.w + pj.w)
-            pull += strength * cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening) * d
-        pull *= mass * slope_norm
-        if ti.static(has_grip):
-            heavy = rest_density / p.w
-            if ti.static(has_boundary):
-                for k in range(sample_size[i]):
-                    b = samples[sample_index[i, k]]
-                    friction = sample_friction(x - b.xyz, p.xyz, nearest_sample, inverse_h)
-                    pull += heavy * slope_norm * sample_viscosity * b.w * friction
-            walls = wall_friction(x, p.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
-            pull += heavy * viscosity * walls
-        image[i].xyz = p.xyz - pull
-    for part in range(BLOCKS):
-        bend = ti.cast(0.0, ti.f64)
-        within = span(part, BLOCKS, count)
-        for i in range(within[0], within[1]):
-            bend += search[i].xyz.dot(image[i].xyz)
-        sums[part, 1] = bend
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        bend = ti.cast(0.0, ti.f64)
-        for part in range(BLOCKS):
-            bend += sums[part, 1]
-        sums[BLOCKS, 1] = ti.select(bend > 0.0, sums[BLOCKS, 0] / bend, 0.0)
-    for part in range(BLOCKS):
-        length = ti.cast(sums[BLOCKS, 1], real)
-        across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        within = span(part, BLOCKS, count)
-        for i in range(within[0], within[1]):
-            v = velocity[i].xyz + length * search[i].xyz
-            r = residual[i].xyz - length * image[i].xyz
-            velocity[i].xyz = v
-            residual[i].xyz = r
-            across += r.dot(_solve(inverse[i], inverse_off[i], r))
-            left += r.dot(r)
-            change += (v - slowing[i].xyz).dot(v - slowing[i].xyz)
-        sums[part, 0] = across
-        sums[part, 2] = left
-        sums[part, 3] = change
-    ti.loop_config(serialize=True)
-    for _ in range(1):
-        across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        for part in range(BLOCKS):
-            across += sums[part, 0]
-            left += sums[part, 2]
-            change += sums[part, 3]
-        sums[BLOCKS, 1] = ti.select(sums[BLOCKS, 0] > 0.0, across / sums[BLOCKS, 0], 0.0)
-        sums[BLOCKS, 0] = across
-        sums[BLOCKS, 2] = left
-        sums[BLOCKS, 3] = change
-    for i in range(count):
-        turned = ti.cast(sums[BLOCKS, 1], real) * search[i].xyz
-        search[i].xyz = _solve(inverse[i], inverse_off[i], residual[i].xyz) + turned
+    if ti.static(part != DESCEND):
+        for i in range(count):
+            x, p = position[i].xyz, search[i]
+            pull = vec3(0.0)
+            for k in range(padded(size[i])):
+                j = index[i, k]
+                pj = search[j]
+                d = x - position[j].xyz
+                r2 = d.dot(d)
+                strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p.w + pj.w)
+                pull += strength * cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening) * d
+            pull *= mass * slope_norm
+            if ti.static(has_grip):
+                heavy = rest_density / p.w
+                if ti.static(has_boundary):
+                    for k in range(sample_size[i]):
+                        b, moved = samples[sample_index[i, k]], p.xyz
+                        if ti.static(part == PUSH):
+                            moved -= sample_search[sample_index[i, k]].xyz
+                        friction = sample_friction(x - b.xyz, moved, nearest_sample, inverse_h)
+                        pull += heavy * slope_norm * sample_viscosity * b.w * friction
+                walls = wall_friction(x, p.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
+                pull += heavy * viscosity * walls
+            image[i].xyz = p.xyz - pull
+        for block in range(BLOCKS):
+            bend = ti.cast(0.0, ti.f64)
+            within = span(block, BLOCKS, count)
+            for i in range(within[0], within[1]):
+                bend += search[i].xyz.dot(image[i].xyz)
+            sums[block, 1] = bend
+    if ti.static(part != PUSH):
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            bend = ti.cast(0.0, ti.f64)
+            for block in range(BLOCKS):
+                bend += sums[block, 1]
+            if ti.static(part == DESCEND):
+                bend += bend_of(bodies)
+            sums[BLOCKS, 1] = ti.select(bend > 0.0, sums[BLOCKS, 0] / bend, 0.0)
+        for block in range(BLOCKS):
+            length = ti.cast(sums[BLOCKS, 1], real)
+            across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            within = span(block, BLOCKS, count)
+            for i in range(within[0], within[1]):
+                v = velocity[i].xyz + length * search[i].xyz
+                r = residual[i].xyz - length * image[i].xyz
+                velocity[i].xyz = v
+                residual[i].xyz = r
+                across += r.dot(_solve(inverse[i], inverse_off[i], r))
+                left += r.dot(r)
+                change += (v - slowing[i].xyz).dot(v - slowing[i].xyz)
+            sums[block, 0] = across
+            sums[block, 2] = left
+            sums[block, 3] = change
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            for block in range(BLOCKS):
+                across += sums[block, 0]
+                left += sums[block, 2]
+                change += sums[block, 3]
+            if ti.static(part == DESCEND):
+                more = go(bodies, sums[BLOCKS, 1])
+                across += more
+                left += more
+            sums[BLOCKS, 1] = ti.select(sums[BLOCKS, 0] > 0.0, across / sums[BLOCKS, 0], 0.0)
+            if ti.static(part == DESCEND):
+                turn(bodies, sums[BLOCKS, 1])
+            sums[BLOCKS, 0] = across
+            sums[BLOCKS, 2] = left
+            sums[BLOCKS, 3] = change
+        for i in range(count):
+            turned = ti.cast(sums[BLOCKS, 1], real) * search[i].xyz
+            search[i].xyz = _solve(inverse[i], inverse_off[i], residual[i].xyz) + turned
 
 
 @ti.kernel

@@ -7,7 +7,6 @@ import json
 import numpy as np
 import pytest
 
-from sim.settings import Refused
 from tests.floating import RHO, pool, track
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
@@ -103,11 +102,19 @@ def test_events_let_a_body_go_add_one_and_take_one_away(simulate):
     assert track(out, "y", "late")[-1] > 0.2
 
 
-@pytest.mark.parametrize(
-    ("fluid", "field"),
-    [({"viscosity": 1, "viscosity_solver": "implicit"}, ("fluid", "viscosity_solver"))],
-)
-def test_what_does_not_move_bodies_yet_is_refused(simulate, fluid, field):
-    with pytest.raises(Refused) as refused:
-        simulate(scene("dfsph", 0.5, fluid=fluid), 1)
-    assert refused.value.location == field
+@pytest.mark.parametrize("solver", ["dfsph", pytest.param("wcsph", marks=pytest.mark.slow)])
+def test_a_light_body_in_thick_fluid_is_not_thrown(simulate, solver):
+    """A hundredth of the fluid's density, in honey a million times as thick as water, which is slow to give way: the
+    ball of the same volume would rise by 2/9 g R^2 / nu = 5 mm/s."""
+    thick = {"viscosity": 1.0, "viscosity_solver": "implicit"}
+    out = simulate(scene(solver, 0.01, fluid=thick), 12, threads=2)
+    assert_nothing_broken(out)
+    assert np.abs(track(out, "vy")).max() < 0.05
+    assert track(out, "y") == pytest.approx(np.full(13, 0.15), abs=0.005)
+
+
+def test_a_body_sticks_to_thick_fluid_only_where_walls_do(simulate):
+    """With free slip nothing but pressure moves it."""
+    thick = {"viscosity": 1.0, "viscosity_solver": "implicit", "wall_slip": "free_slip"}
+    out = simulate(scene("dfsph", 0.5, height=0.3, fluid=thick), 3, threads=2)
+    assert_nothing_broken(out)

@@ -158,3 +158,71 @@ def test_momentum_goes_from_one_to_the_other(simulate, solver, ratio):
     whole = np.linalg.norm(linear)
     np.testing.assert_allclose(linear_after, linear, atol=1e-5 * whole)
     np.testing.assert_allclose(angular_after, angular, atol=(1e-5 if solver == "wcsph" else 1e-3) * whole * size)
+
+
+THICK = {"viscosity_solver": "implicit"}
+
+
+def thrown(simulate, solver: str, ratio: float, **fluid):
+    """A cube of thick fluid hits a box off its middle, without gravity: momenta before and after, and the box's vx."""
+    size = 0.1
+    body = {
+        "shape": {"type": "box", "size": [size] * 3},
+        "position": [0.16, 0.03, 0.02],
+        "density": ratio * RHO,
+        "motion": "dynamic",
+    }
+    water = {"shape": {"type": "box", "size": [0.16] * 3}, "velocity": [2, 0, 0]}
+    fluid = {"solver": solver, "particle_radius": 0.01, "bodies": {"water": water}, **fluid}
+    scene = {"fps": 100, "gravity": [0, 0, 0], "fluid": fluid, "rigid": {"bodies": {"body": body}}}
+    out = simulate(scene, 12, fluid.get("viscosity_solver", "auto"))
+    mass = ratio * RHO * size**3
+    of_all = (mass, mass * size**2 / 6, RHO * 0.02**3)
+    return momentum(out, 0, *of_all), momentum(out, 12, *of_all), track(out, "vx")
+
+
+@pytest.mark.parametrize(
+    ("solver", "ratio"),
+    [("dfsph", 0.01), *(pytest.param(name, 0.5, marks=pytest.mark.slow) for name in SOLVERS)],
+)
+def test_implicit_viscosity_passes_momentum_on(simulate, solver, ratio):
+    """As above, at 5 million times the viscosity of water."""
+    (linear, angular), (after, turning), speed = thrown(simulate, solver, ratio, viscosity=5.0, **THICK)
+    whole = np.linalg.norm(linear)
+    np.testing.assert_allclose(after, linear, atol=1e-5 * whole)
+    np.testing.assert_allclose(turning, angular, atol=1e-3 * whole * 0.1)
+    assert speed.max() < 2.0 * 1.02, "the box was thrown faster than the fluid came"
+    # Stuck together, both move as their centre of mass does but for the turning of the whole.
+    common = linear[0] / (linear[0] / 2 + ratio * RHO * 0.1**3)
+    assert speed[-1] == pytest.approx(common, rel=0.1)
+
+
+@pytest.mark.slow
+def test_implicit_viscosity_slows_as_explicit_does(simulate):
+    """The same forces, whichever way they are found: after the blow the box moves as fast."""
+    settings = {"viscosity": 0.05}
+    implicit, explicit = (
+        thrown(simulate, "dfsph", 0.5, viscosity_solver=solver, **settings)[2][-1]
+        for solver in ("implicit", "explicit")
+    )
+    assert implicit == pytest.approx(explicit, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_ball_turns_in_thick_fluid_as_fast_as_its_torque_makes_it(simulate):
+    """T = 8 pi mu omega / (1 / R^3 - 1 / b^3) within a sphere of radius b (Lamb 1932, sec. 334), here of a cube's half
+    edge: to the first order of the spacing over R, a sixth, since samples lie below the surface."""
+    radius, half, viscosity = 0.06, 0.15, 0.1
+    torque = 8 * np.pi * RHO * viscosity / (1 / radius**3 - 1 / half**3)
+    body = {
+        "shape": {"type": "sphere", "radius": radius},
+        "density": RHO,
+        "motion": "dynamic",
+        "torque": [0, torque, 0],
+    }
+    walls = {"type": "box", "size": [2 * half] * 3, "position": [0, -half, 0], "open": []}
+    water = {"shape": {"type": "box", "size": [2 * half] * 3}}
+    fluid = {"solver": "dfsph", "particle_radius": 0.005, "viscosity": viscosity, "bodies": {"water": water}, **THICK}
+    scene = {"fps": 50, "containers": {"tank": walls}, "fluid": fluid, "rigid": {"bodies": {"body": body}}}
+    out = simulate(scene, 16)
+    assert track(out, "wy")[-6:].mean() == pytest.approx(1.0, rel=0.17)
