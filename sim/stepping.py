@@ -59,6 +59,7 @@ class Run:
         self.measure: Measure | None = None
         self.good: Checkpoint | None = None
         """The state after the last frame that was written."""
+        self._mended: set[str] = set()
         self.stop_requested = False
         """Set from outside to end the run between two steps."""
         self.steps_taken = 0
@@ -238,7 +239,15 @@ class Run:
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
         return self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time) if bodies else state
 
+    def _tell_mended(self) -> None:
+        """Warn once of every mesh that is not what its file holds."""
+        for item in self.world.obstacles.placed:
+            if item.name not in self._mended and item.solid.report is not None and item.solid.report.lines():
+                self._mended.add(item.name)
+                self.warn(f"{item.name}: the mesh was mended: {'; '.join(item.solid.report.lines())}")
+
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
+        self._tell_mended()
         if state is not None or self.world.obstacles.dynamic:
             with self.stopwatch.phase(COMPILE):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)

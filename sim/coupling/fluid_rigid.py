@@ -14,7 +14,7 @@ from sim.fluid.samples import Samples
 from sim.fluid.system import FluidSystem
 from sim.fluid.walls import along_walls_host
 from sim.geometry.distance import MeshDistance
-from sim.geometry.edges import behind_edges
+from sim.geometry.edges import on_edges
 from sim.geometry.offset import inset
 from sim.geometry.sampling import sample_surface
 from sim.geometry.solids import BoxSolid, Solid
@@ -125,11 +125,13 @@ def _samples(item: Obstacle, spacing: float, depth: float) -> tuple[np.ndarray, 
 
 
 def _behind_edges(item: Obstacle, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
+    """Samples behind edges, and the points of the edges that they stand behind [m]; both of shape [n, 3]."""
     if not item.solid.closed:
         return np.zeros((0, 3)), np.zeros((0, 3))
     # A row weighs less than a face: with a long support, for which faces lie deep, it has to stand nearer.
     behind = (depth + SAMPLE_DEPTH * spacing) / 2
-    return behind_edges(item.solid.mesh, spacing, -behind if item.hollow else behind)
+    edges = on_edges(item.solid.mesh, spacing, convex=not item.hollow)
+    return edges.points + (behind if item.hollow else -behind) * edges.behind, edges.points
 
 
 def _surface(item: Obstacle, depth: float) -> Solid | trimesh.Trimesh:

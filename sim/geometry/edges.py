@@ -6,6 +6,7 @@ further from corners. What is to guard the surface has to come as near to them a
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,18 +22,28 @@ ROW, CORNER = 0.9, 0.75
 a face at the full depth."""
 
 
-def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points [m] about `spacing` [m] apart and about `depth` [m] behind sharp convex edges and corners, and the points
-    of the edges that they stand behind; both of shape [n, 3].
+@dataclass(frozen=True)
+class EdgeSamples:
+    """Points of sharp edges and corners."""
 
-    Behind means along the bisector of the faces that meet; with a negative depth, before the sharp concave ones.
-    """
-    convex = mesh.face_adjacency_convex if depth > 0 else ~mesh.face_adjacency_convex
-    sharp = convex & (mesh.face_adjacency_angles > SHARP)
-    edges = mesh.face_adjacency_edges[sharp]
+    points: np.ndarray
+    """[m], shape [n, 3]."""
+    behind: np.ndarray
+    """Along the bisectors of the faces that meet, as far as a surface at unit depth keeps away, shape [n, 3]."""
+    vertex: np.ndarray
+    """The mesh's vertex of a corner, -1 of points between, shape [n]."""
+    faces: np.ndarray
+    """Two faces that meet there, shape [n, 2]."""
+
+
+def on_edges(mesh: trimesh.Trimesh, spacing: float, *, convex: bool = True) -> EdgeSamples:
+    """Points about `spacing` [m] apart on sharp edges that are convex, or on those that are not."""
+    bulging = mesh.face_adjacency_convex if convex else ~mesh.face_adjacency_convex
+    sharp = bulging & (mesh.face_adjacency_angles > SHARP)
+    edges, faces = mesh.face_adjacency_edges[sharp], mesh.face_adjacency[sharp]
     if not len(edges):
-        return np.zeros((0, 3)), np.zeros((0, 3))
-    outward = _unit(mesh.face_normals[mesh.face_adjacency[sharp]].sum(axis=1))
+        return EdgeSamples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, int), np.zeros((0, 2), int))
+    outward = _unit(mesh.face_normals[faces].sum(axis=1))
     vertices, end = np.unique(edges, return_inverse=True)
     at_vertex = np.zeros((len(vertices), 3))
     np.add.at(at_vertex, end.reshape(-1), np.repeat(outward, 2, axis=0))
@@ -42,8 +53,11 @@ def behind_edges(mesh: trimesh.Trimesh, spacing: float, depth: float) -> tuple[n
     share = np.concatenate([np.arange(1, number) / number for number in steps])[:, None]
     points = np.concatenate((mesh.vertices[vertices], (1 - share) * ends[edge, 0] + share * ends[edge, 1]))
     directions = np.concatenate((CORNER * _unit(at_vertex), ROW * outward[edge]))
+    first = np.zeros(len(vertices), int)
+    first[end.reshape(-1)] = np.repeat(np.arange(len(edges)), 2)
+    vertex = np.concatenate((vertices, np.full(len(edge), -1)))
     kept = first_come(points, EDGE_DISK * spacing)
-    return points[kept] - depth * directions[kept], points[kept]
+    return EdgeSamples(points[kept], directions[kept], vertex[kept], faces[np.concatenate((first, edge))][kept])
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

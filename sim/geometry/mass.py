@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     import trimesh
 
 
-# Samples a piece on which its overlap with others is tested.
-_OVERLAP_POINTS = 5000
+# The share of a mesh's volume that may lie where it cuts through itself: the mass is right to that.
+_COUNTED_WRONGLY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,10 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
     Integrals of 1, x and x x^T over the signed tetrahedra from the mesh's middle to its faces (Blow & Binstock
     2004; the covariance of a tetrahedron is that of Eberly 2002): exact for the polyhedron.
 
-    Raises `Refused` for an open or inverted mesh, one whose pieces overlap (their common volume would
-    count twice), and for moments that no body has.
+    Raises `Refused` for an open or inverted mesh, one whose pieces overlap or that cuts through itself (what they have
+    in common would count twice), and for moments that no body has.
     """
+    from sim.geometry.overlap import overlapping_pieces, volume_counted_wrongly
     from sim.geometry.topology import Topology
 
     topology = Topology.of(mesh)
@@ -72,6 +73,12 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
         raise Refused(
             f"{common} pieces of the mesh overlap others: their common volume would count twice",
             remedy="Unite the pieces (Boolean union) in a modelling program",
+        )
+    share = volume_counted_wrongly(mesh) / volume
+    if share > _COUNTED_WRONGLY:
+        raise Refused(
+            f"the mesh cuts through itself: {100 * share:.3g} % of its volume would count twice or be negative",
+            remedy="Unite it with itself (Boolean union) in a modelling program",
         )
     total = corners.sum(axis=1)
     first = np.einsum("i,ij->j", determinant, total) / 24
@@ -100,36 +107,8 @@ def from_covariance(mass: float, volume: float, centre: np.ndarray, covariance: 
         raise Refused(
             f"the principal moments {moments[0]:.4g}, {moments[1]:.4g}, {moments[2]:.4g} kg m^2 are those of no body "
             "(the largest exceeds the sum of the others)",
-            remedy="The mesh cuts through itself: repair it in a modelling program",
+            remedy="Unite the mesh with itself (Boolean union) in a modelling program",
         )
     if np.linalg.det(axes) < 0:
         axes[:, 2] = -axes[:, 2]
     return MassProperties(float(mass), float(volume), np.asarray(centre, dtype=np.float64), inertia, moments, axes)
-
-
-def overlapping_pieces(mesh: trimesh.Trimesh) -> int:
-    """How many closed pieces of a mesh reach into another one's material, as sampled just below its surface."""
-    from sim.geometry.distance import cover
-    from sim.geometry.topology import components, signed_volume
-    from sim.geometry.winding import WindingNumber
-
-    pieces, number = components(mesh)
-    if number == 1:
-        return 0
-    depth = 1e-6 * float(np.ptp(mesh.bounds, axis=0).max())
-    found = 0
-    for index, piece in enumerate(pieces):
-        allowed = 0 if signed_volume(piece) > 0 else 1
-        corners = piece.vertices[piece.faces]
-        points, face, _ = cover(corners, _OVERLAP_POINTS)
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        # Just below the surface, so that pieces which only touch are apart.
-        points = points - depth * normal[face]
-        around = np.zeros(len(points), dtype=np.int64)
-        for other, candidate in enumerate(pieces):
-            apart = (candidate.bounds[0] > piece.bounds[1]).any() or (candidate.bounds[1] < piece.bounds[0]).any()
-            if other != index and not apart:
-                around += WindingNumber(candidate).at(points)
-        found += bool((around != allowed).any())
-    return found

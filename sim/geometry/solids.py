@@ -342,8 +342,12 @@ class MeshSolid(Solid):
         distance = self._distance.unsigned(points)
         return np.where(self.contains(points), -distance, distance)
 
+    @functools.cached_property
+    def _of_unit_density(self) -> MassProperties:
+        return mass_properties(self.mesh, 1.0)
+
     def mass_properties(self, density: float) -> MassProperties:
-        return mass_properties(self.mesh, density)
+        return self._of_unit_density.scaled_to(density * self._of_unit_density.volume)
 
 
 class SheetSolid(Solid):

@@ -71,6 +71,18 @@ class WindingNumber:
         below = np.cumsum(change[:, ::-1], axis=1)[:, ::-1]
         return below[:, 1:].reshape(shape)
 
+    def counted_wrongly(self, columns: np.ndarray) -> np.ndarray:
+        """Length [m] of vertical lines at `columns` [m], shape [n, 2], where the winding number is neither 0 nor 1."""
+        length = np.zeros(len(columns))
+        for column, height, sign in self._crossings(columns):
+            order = np.lexsort((height, column))
+            column, height = column[order], height[order]
+            # The number above a crossing; every column of a closed mesh ends with 0.
+            number = -np.cumsum(sign[order])[:-1]
+            wrong = (column[1:] == column[:-1]) & (number != 0) & (number != 1)
+            np.add.at(length, column[:-1][wrong], np.diff(height)[wrong])
+        return length
+
     def _cell_of(self, flat: np.ndarray) -> np.ndarray:
         return np.clip(np.floor((flat - self._low) / self._cell), 0, self._shape - 1).astype(np.int64)
 

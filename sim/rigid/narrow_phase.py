@@ -24,7 +24,7 @@ from sim.rigid.fields import (
 from sim.rigid.manifold import FEW, MOST, Found, add
 from sim.rigid.rotation import rotation_of
 from sim.rigid.shapes import CIRCLE, SEGMENT
-from sim.rigid.types import Integers, Numbers, Quaternions, Singles, Vectors, vec3, vec4
+from sim.rigid.types import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
 
 AROUND = 16
 """Points on a circle among which the nearest is looked for first; every other one may become a contact, too."""
@@ -34,6 +34,8 @@ SECTIONS = 36
 FLAT = 0.9
 """Cosine of the angle between a circle's axis and the normal above which it lies flat."""
 GOLDEN = 0.6180339887498949
+ASIDE = 0.875
+"""Cosine of the angle, 29 degrees, by which a mesh's surface may face elsewhere than the body that it touches."""
 
 
 @ti.dataclass
@@ -88,6 +90,7 @@ Shapes = ti.types.argpack(
     centre=Vectors,
     way=Vectors,
     rounding=Numbers,
+    cone=Quaternions,
     grid=Integers,
     frame=Numbers,
     values=Singles,
@@ -228,12 +231,36 @@ def _look_up(
             if told and gap < margin:
                 normal = vec3(around[0], around[1], around[2])
                 middle = place - normal * (rounding + 0.5 * gap)
+                if ti.static(kinds & (1 << GRID) > 0):
+                    if shapes.cone[f][3] > -1.0 and shapes.kind[b] != PLANE:
+                        normal = _facing(normal, turn, shapes.cone[f], shapes.kind[b] == GRID)
                 out, arm = turn_b @ normal, turn_b @ (place - shift)
                 bend = ti.cast(0.0, ti.f64)
                 if kind != CIRCLE:
                     bend = ti.max(0.5 * out.dot(spin[a].cross(spin[a].cross(arm))), 0.0)
-                count = add(first, count, most, size, position[b] + turn_b @ middle, sign * out, gap, bend, found)
+                if out.norm_sqr() > 0.5:
+                    count = add(first, count, most, size, position[b] + turn_b @ middle, sign * out, gap, bend, found)
     return count
+
+
+@ti.func
+def _facing(direction: vec3, turn: mat3, cone: vec4, coarse: ti.i32) -> vec3:
+    """What is left of a contact's direction out of b where a's surface faces within a cone, which turns by `turn`.
+
+    Bodies touch where one faces against the other: what faces elsewhere by more than ASIDE is no contact, and its
+    direction zero. A coarse grid, which rounds edges off, is believed no more than the surface is.
+    """
+    facing = -(turn @ vec3(cone[0], cone[1], cone[2]))
+    along = direction.dot(facing)
+    found = direction
+    if along < cone[3]:
+        sine = ti.sqrt(ti.max(1.0 - cone[3] * cone[3], 0.0))
+        aside = direction - along * facing
+        if along * cone[3] + aside.norm() * sine < ASIDE:
+            found = vec3(0.0)
+        elif coarse:
+            found = cone[3] * facing + sine * aside.normalized(1e-30)
+    return found
 
 
 @ti.func

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from sim.geometry import cache, distance, scatter, winding
+from sim.geometry import cache, distance, edges, normal_cones, scatter, winding
 from sim.geometry.solids import (
     BoxSolid,
     CapsuleSolid,
@@ -42,12 +43,22 @@ class Features:
     """From a segment's centre to its end [m], or (R, 0, 0) of a circle about the y axis with the radius R."""
     rounding: list[float] = field(default_factory=list)
     """[m]"""
+    cone: list[np.ndarray] = field(default_factory=list)
+    """Of the directions in which the surface faces there (normal_cones), shape [4]."""
 
-    def add(self, kind: int, centre: np.ndarray, way: np.ndarray | None = None, rounding: float = 0.0) -> None:
+    def add(
+        self,
+        kind: int,
+        centre: np.ndarray,
+        way: np.ndarray | None = None,
+        rounding: float = 0.0,
+        cone: np.ndarray | None = None,
+    ) -> None:
         self.kind.append(kind)
         self.centre.append(np.asarray(centre, dtype=float))
         self.way.append(np.zeros(3) if way is None else np.asarray(way, dtype=float))
         self.rounding.append(rounding)
+        self.cone.append(np.array(normal_cones.ANY) if cone is None else cone)
 
 
 @dataclass(frozen=True)
@@ -150,12 +161,13 @@ def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
         lambda: _measured(local - middle, faces, cell),
         arguments={"cell": cell, "rim": RIM},
         arrays=[local, faces],
-        sources=[__file__, distance.__file__, winding.__file__, scatter.__file__],
+        sources=[__file__, *(used.__file__ for used in (distance, edges, normal_cones, scatter, winding))],
         packages=("numpy", "scipy", "trimesh"),
     )
     features = Features()
-    for point in stored["points"]:
-        features.add(POINT, point)
+    out = np.array([-1, -1, -1, 1]) if hollow else np.ones(4)
+    for point, cone in zip(stored["points"], stored["cones"], strict=True):
+        features.add(POINT, point, cone=out * cone)
     origin = solid.pose.position + turn @ middle
     grid = Grid(stored["low"], cell, stored["values"])
     bounds = np.array([-half, half])
@@ -164,10 +176,8 @@ def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
 
 def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arrays:
     """Distances around a mesh on a grid, and points of its surface: all vertices of its convex hull, which are what
-    touches planes, and samples a cell apart of all else, sharp edges first."""
+    touches planes, and samples a cell apart of all else, sharp edges first; with the cones of their directions."""
     import trimesh
-
-    from sim.geometry.edges import behind_edges
 
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     low = vertices.min(axis=0) - RIM * cell
@@ -177,9 +187,14 @@ def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arr
     away = distance.MeshDistance(mesh).unsigned(corners).reshape(shape)
     inside = winding.WindingNumber(mesh).on_lattice(low, cell, shape) > 0
     hull = mesh.convex_hull.vertices if len(vertices) > 4 else vertices
-    edges, _ = behind_edges(mesh, cell, 1e-9 * cell)
-    surface, _, _ = distance.cover(vertices[faces], int(mesh.area / cell**2))
-    points = np.concatenate((hull, edges, vertices, surface))
-    kept = scatter.first_come(points[len(hull) :], 0.7 * cell)
-    points = np.concatenate((hull, points[len(hull) :][kept]))
-    return {"values": np.where(inside, -away, away).astype(np.float32), "low": low, "points": points}
+    sharp = edges.on_edges(mesh, cell)
+    surface, face, _ = distance.cover(vertices[faces], int(mesh.area / cell**2))
+    points = np.concatenate((hull, sharp.points, vertices, surface))
+    at_vertex, between = normal_cones.of_vertices(mesh), normal_cones.of_edges(mesh, sharp.faces)
+    at_sharp = np.where(sharp.vertex[:, None] < 0, between, at_vertex[sharp.vertex])
+    at_hull = at_vertex[cKDTree(vertices).query(hull)[1]]
+    cones = np.concatenate((at_hull, at_sharp, at_vertex, normal_cones.smooth(mesh)[face]))
+    kept = scatter.first_come(points[len(hull) :], 0.7 * cell) + len(hull)
+    kept = np.concatenate((np.arange(len(hull)), kept))
+    values = np.where(inside, -away, away).astype(np.float32)
+    return {"values": values, "low": low, "points": points[kept], "cones": cones[kept]}

@@ -29,6 +29,7 @@ def shape_arrays(bodies: Sequence[Body]) -> dict[str, Any]:
         "centre": vectors(centres),
         "way": vectors([way for feature in features for way in feature.way]),
         "rounding": numbers([rounding for feature in features for rounding in feature.rounding]),
+        "cone": np.array([cone for feature in features for cone in feature.cone]).reshape(-1, 4),
         **_grids(bodies),
     }
 

@@ -10,6 +10,7 @@ from sim.geometry.mass import from_covariance, mass_properties
 from sim.geometry.shapes import place
 from sim.geometry.spec import Box, Capsule, Cylinder, Placement, Plane, Sphere, Torus
 from sim.settings import Refused
+from tests.meshes import bow_tie, figure_of_eight
 
 DENSITY = 800.0
 
@@ -135,6 +136,40 @@ def test_overlapping_pieces_are_refused(two_cubes):
         with pytest.raises(Refused, match="overlap") as refused:
             mass_properties(mesh, 1.0)
         assert "union" in refused.value.remedy
+
+
+@pytest.mark.parametrize("inverted", [False, True])
+def test_the_volume_that_counts_wrongly(two_cubes, inverted):
+    """Two unit cubes share 0.5 x 0.6 x 0.7; of an inverted one all that lies outside the other is wrong.
+
+    Lines stand (1.5 x 1.4 / 10,000)^(1/2) apart at most, and an edge of the volume is off by half of that.
+    """
+    from sim.geometry.overlap import COLUMNS, volume_counted_wrongly
+
+    found = volume_counted_wrongly(two_cubes([0.5, 0.4, 0.3], inverted=inverted))
+    spacing = np.sqrt(1.5 * 1.4 / COLUMNS)
+    expected, sides = (1 - 0.5 * 0.6 * 0.7, 4 * 1.0) if inverted else (0.5 * 0.6 * 0.7, 2 * 0.5 + 2 * 0.6)
+    assert found == pytest.approx(expected, abs=sides * spacing / 2)
+    assert volume_counted_wrongly(two_cubes([1.0, 0.4, 0.3])) == 0
+    assert volume_counted_wrongly(two_cubes([0, 0, 0], scale=0.5, inverted=True)) == 0
+
+
+def test_one_piece_that_cuts_through_itself_is_refused():
+    for build in (figure_of_eight, lambda: bow_tie((1, 2, 3))):
+        with pytest.raises(Refused, match="cuts through itself") as refused:
+            mass_properties(trimesh.Trimesh(*build(), process=False), 1.0)
+        assert "union" in refused.value.remedy
+
+
+def test_a_cut_too_small_to_weigh_is_let_pass():
+    """The middle of a cube's bottom comes out at the top by 1/2000: the cone of base A leaves V = 1 - A h / 3."""
+    mesh = trimesh.creation.box().subdivide().subdivide()
+    middle = np.linalg.norm(mesh.vertices - [0, 0, -0.5], axis=1).argmin()
+    base = mesh.area_faces[(mesh.faces == middle).any(axis=1)].sum()
+    vertices = np.array(mesh.vertices)
+    vertices[middle] = [0, 0, 0.5005]
+    found = mass_properties(trimesh.Trimesh(vertices, mesh.faces, process=False), 1.0)
+    assert found.mass == pytest.approx(1 - base * 1.0005 / 3, rel=1e-12)
 
 
 def test_moments_of_no_body_are_refused():

@@ -78,7 +78,9 @@ def test_features_lie_on_the_surface(name):
     from sim.rigid.shapes import CIRCLE
 
     solid, shape = _contact_shape(name)
-    kind, centre, way, rounding = (np.array(column) for column in vars(shape.features).values())
+    features = shape.features
+    columns = features.kind, features.centre, features.way, features.rounding
+    kind, centre, way, rounding = map(np.array, columns)
     around = np.zeros_like(way)
     around[:, 2] = way[:, 0]
     across = np.where((kind == CIRCLE)[:, None], around, -way)

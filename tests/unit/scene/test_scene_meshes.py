@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from tests.meshes import without_mass, write
+
+REFUSED = without_mass()
 BALL = "{type: sphere, radius: 0.18}"
 
 OFF_NAN = "OFF\n4 4 0\n0 0 0\n1 0 nan\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"
@@ -71,3 +74,11 @@ def test_what_was_mended_is_said(bench, scene):
     box.update_faces(np.arange(len(box.faces)) > 0)
     box.export(bench.folder / "open.ply")
     assert "ball: closed 1 hole" in bench.accepts(scene(BALL, "{type: mesh, file: open.ply, size: 0.2}"))
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_body_that_has_no_mass(bench, scene, name):
+    build, says = REFUSED[name]
+    write(bench.folder / "bad.off", build())
+    text = scene(BALL, "{type: mesh, file: bad.off}\n      motion: dynamic")
+    bench.refuses(text, "rigid.bodies.ball.shape", says, at="type: mesh")
