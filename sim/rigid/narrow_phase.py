@@ -23,7 +23,7 @@ from sim.rigid.fields import (
 )
 from sim.rigid.manifold import FEW, MOST, Found, add
 from sim.rigid.rotation import rotation_of
-from sim.rigid.shapes import CIRCLE, SEGMENT
+from sim.rigid.shapes import AXIS, CIRCLE, POINT, SEGMENT
 from sim.rigid.types import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
 
 AROUND = 16
@@ -34,6 +34,8 @@ SECTIONS = 36
 FLAT = 0.9
 """Cosine of the angle between a circle's axis and the normal above which it lies flat."""
 GOLDEN = 0.6180339887498949
+INNER = 0.9999
+"""Share of an axis within which its nearest place is not one of its ends."""
 ASIDE = 0.875
 """Cosine of the angle, 29 degrees, by which a mesh's surface may face elsewhere than the body that it touches."""
 
@@ -195,19 +197,23 @@ def _look_up(
         # A circle's other axis is normal to this one and to the body's own y.
         across = turn @ vec3(0.0, 0.0, shapes.way[f][0])
         tries = 1
-        if kind == SEGMENT:
+        straight = kind != POINT and kind != CIRCLE
+        if straight:
             tries = 3 + SECTIONS
         elif kind == CIRCLE:
             tries = 1 + AROUND + SECTIONS
+        if kind == AXIS and shapes.kind[b] != CYLINDER:
+            # Rims, and what is looked up in the cylinder's own field, tell all.
+            tries = 0
         search, t = Search(0.0), ti.cast(0.0, ti.f64)
         for trial in range(tries):
             section = trial - (tries - SECTIONS)
             final = trial == tries - 1
-            place, told = centre, kind != SEGMENT and kind != CIRCLE
+            place, told = centre, kind == POINT
             if trial > 0:
-                if kind == SEGMENT:
+                if straight:
                     if section < 0:
-                        t, told = ti.cast(2 * trial - 3, ti.f64), True
+                        t, told = ti.cast(2 * trial - 3, ti.f64), kind == SEGMENT
                     elif section == 0:
                         search.low, search.high = -1.0, 1.0
                 elif section < 0:
@@ -228,6 +234,9 @@ def _look_up(
                 # Points beside the nearest count where the circle lies flat: one that rolls does not stop at them.
                 flat = way.cross(across).normalized(1e-30).dot(vec3(around[0], around[1], around[2]))
                 told = told and abs(flat) > FLAT
+            if kind == AXIS:
+                # At an end the round side is not what is nearest.
+                told = told and abs(t) < INNER
             if told and gap < margin:
                 normal = vec3(around[0], around[1], around[2])
                 middle = place - normal * (rounding + 0.5 * gap)

@@ -1,8 +1,8 @@
 """What bodies are to contacts: a field of distances around each, and features that are looked up in others' fields.
 
 A feature is a point, a segment or a circle, rounded by a radius: a sphere is a rounded point, a capsule a rounded
-segment, a torus a rounded circle, a cylinder its two rims, a box its corners and edges, a mesh its vertices and
-samples of its faces and edges.
+segment, a torus a rounded circle, a cylinder its two rims, and to other cylinders its rounded axis without the ends, a
+box its corners and edges, a mesh its vertices and samples of its faces and edges.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sim.geometry.solids import (
 )
 from sim.rigid.fields import BOX, CAPSULE, CYLINDER, GRID, PLANE, SPHERE, TORUS
 
-POINT, SEGMENT, CIRCLE = range(3)
+POINT, SEGMENT, CIRCLE, AXIS = range(4)
 CELLS = 64
 """Of a mesh's grid of distances along its longest side."""
 RIM = 3
@@ -40,7 +40,7 @@ class Features:
     centre: list[np.ndarray] = field(default_factory=list)
     """[m], shape [3]."""
     way: list[np.ndarray] = field(default_factory=list)
-    """From a segment's centre to its end [m], or (R, 0, 0) of a circle about the y axis with the radius R."""
+    """From the centre of a segment or axis to its end [m], or (R, 0, 0) of a circle about y with the radius R."""
     rounding: list[float] = field(default_factory=list)
     """[m]"""
     cone: list[np.ndarray] = field(default_factory=list)
@@ -123,6 +123,7 @@ def contact_shape(solid: Solid, *, hollow: bool = False) -> ContactShape:
             radius, length = scale * solid.radius, scale * solid.height / 2
             for end in (length, -length):
                 features.add(CIRCLE, np.array([0, end, 0]), np.array([radius, 0, 0]))
+            features.add(AXIS, np.zeros(3), np.array([0, length, 0]), radius)
             kind, size, half = CYLINDER, np.array([radius, length, 0]), np.array([radius, length, radius])
         case TorusSolid():
             radius, tube = scale * solid.radius, scale * solid.tube_radius

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import ball, box, part, turn
+from tests.bodies import ball, box, part, step, turn
 
 
 def contacts(bodies: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -91,3 +91,52 @@ def test_a_capsule_across_another_touches_in_one_point():
     assert places == pytest.approx(np.array([[0.07, 0.1, 0]]), abs=1e-6)
     assert normals == pytest.approx(np.array([[0, 1, 0]]), abs=1e-6)
     assert gaps == pytest.approx([0], abs=1e-9)
+
+
+CYLINDER = {"motion": "dynamic", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.6}}
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.0, np.pi / 2])
+def test_a_cylinder_across_another_touches_in_one_point(angle):
+    across = (np.sin(angle), 0, np.cos(angle))
+    places, normals, gaps = contacts(
+        {
+            "a": {
+                **CYLINDER,
+                "rotation": turn((np.sin(angle), 0, np.cos(angle)), np.pi / 2),
+                "position": [0.07, 0.2, 0],
+            },
+            "b": {**CYLINDER, "rotation": turn((0, 0, 1), np.pi / 2)},
+        }
+    )
+    assert places == pytest.approx(np.array([[0.07, 0.1, 0]]), abs=1e-6)
+    assert normals == pytest.approx(np.array([[0, 1, 0]]), abs=1e-6)
+    assert gaps == pytest.approx([0], abs=1e-9)
+
+
+def test_the_round_side_of_a_cylinder_ends_at_its_rims():
+    """One stands on the floor beside the end of another that lies there: their faces are 0.05 apart."""
+    _, _, gaps = contacts(
+        {
+            "a": {**CYLINDER, "rotation": turn((0, 0, 1), np.pi / 2), "position": [0.0, 0.1, 0]},
+            "b": {**CYLINDER, "position": [0.45, 0.3, 0]},
+        }
+    )
+    assert not len(gaps)
+    _, normals, gaps = contacts(
+        {
+            "a": {**CYLINDER, "rotation": turn((0, 0, 1), np.pi / 2), "position": [0.0, 0.1, 0]},
+            "b": {**CYLINDER, "position": [0.4, 0.3, 0]},
+        }
+    )
+    assert gaps.min() == pytest.approx(0, abs=1e-9)
+    assert normals[gaps.argmin()] == pytest.approx([-1, 0, 0], abs=1e-6)
+
+
+def test_a_cylinder_lies_across_another_and_stays():
+    floor = {"shape": {"type": "plane"}}
+    lower = {**CYLINDER, "motion": "static", "rotation": turn((0, 0, 1), np.pi / 2), "position": [0, 0.1, 0]}
+    upper = {**CYLINDER, "density": 500, "rotation": turn((1, 0, 0), np.pi / 2), "position": [0, 0.32, 0]}
+    run = part({"upper": upper, "lower": lower, "floor": floor})
+    step(run, 1.0)
+    assert run.position[0] == pytest.approx([0, 0.3, 0], abs=1e-3)
