@@ -246,6 +246,11 @@ class Run:
                 self._mended.add(item.name)
                 self.warn(f"{item.name}: the mesh was mended: {'; '.join(item.solid.report.lines())}")
 
+    def _tell_overlaps(self) -> None:
+        """Warn of bodies that begin inside each other: they are moved apart, which may look like a blow."""
+        for one, other, depth in self.world.rigid.overlaps() if self.world.rigid else []:
+            self.warn(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
+
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         self._tell_mended()
         if state is not None or self.world.obstacles.dynamic:
@@ -254,6 +259,8 @@ class Run:
         with self.stopwatch.phase("build"):
             self.world.build(state, emission, self.counts, self.warn, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()
+        if not going_on:
+            self._tell_overlaps()
         self._refuse()
 
     def _refuse(self) -> None:

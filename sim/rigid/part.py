@@ -27,6 +27,8 @@ from sim.rigid.types import vec3
 STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "contacts_capped")
 """What is told of a step: how many contacts, sweeps over them, the velocity that the last of them changed most [m/s],
 the deepest overlap [m], and whether the sweeps ended at their cap."""
+DEEP = 0.01
+"""Overlap of two bodies over the smaller one's size that is not what contacts leave."""
 TURN = 0.1
 """Greatest turn of a body in a step [rad]."""
 WAY = 0.5
@@ -257,6 +259,20 @@ class RigidPart:
         self.told["contacts"] = count
         self.told["overlap"] = max(-float(tables.gap[:count].min()), 0.0)
         return count
+
+    def overlaps(self) -> list[tuple[str, str, float]]:
+        """Names of bodies that are inside each other by more than DEEP of the smaller one's size, and how deep [m]."""
+        count = self._find(0.0)
+        if not count:
+            return []
+        deepest: dict[tuple[int, int], float] = {}
+        for (a, b), gap in zip(np.repeat(self._pairs, self._number, axis=0), self._tables.gap[:count], strict=True):
+            deepest[a, b] = max(-float(gap), deepest.get((a, b), 0.0))
+        return [
+            (self.bodies[a].name, self.bodies[b].name, depth)
+            for (a, b), depth in deepest.items()
+            if depth > DEEP * min(self.size[a], self.size[b])
+        ]
 
     def _near(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of bodies that may touch within the step, sorted, and how far off contacts are looked for [m]."""

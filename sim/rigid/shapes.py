@@ -28,6 +28,8 @@ from sim.rigid.fields import BOX, CAPSULE, CYLINDER, GRID, PLANE, SPHERE, TORUS
 POINT, SEGMENT, CIRCLE, AXIS = range(4)
 CELLS = 64
 """Of a mesh's grid of distances along its longest side."""
+ROUNDED = 2.0**-36
+"""Share of a mesh's size to which its vertices count."""
 RIM = 3
 """Cells of a grid beyond its mesh, on each side."""
 
@@ -152,7 +154,7 @@ def _add_box(features: Features, half: np.ndarray) -> None:
 def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
     """In the mesh's own frame as scaled, the origin in the middle of its bounding box."""
     turn, scale = solid.pose.rotation, solid.pose.scale
-    local = (np.asarray(solid.mesh.vertices, dtype=np.float64) - solid.pose.position) @ turn
+    local = _rounded((np.asarray(solid.mesh.vertices, dtype=np.float64) - solid.pose.position) @ turn)
     low, high = local.min(axis=0), local.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     faces = np.asarray(solid.mesh.faces)
@@ -173,6 +175,12 @@ def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
     grid = Grid(stored["low"], cell, stored["values"])
     bounds = np.array([-half, half])
     return ContactShape(GRID, np.full(3, scale), features, origin, turn, bounds, grid, hollow)
+
+
+def _rounded(vertices: np.ndarray) -> np.ndarray:
+    """The same wherever the mesh is placed, so that what is known of it is found in the cache."""
+    unit = ROUNDED * 2.0 ** np.ceil(np.log2(np.ptp(vertices, axis=0).max()))
+    return unit * np.round(vertices / unit)
 
 
 def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arrays:

@@ -165,3 +165,12 @@ def test_a_thousand_bodies(simulate):
     assert last["y"].min() > 0.035
     assert np.abs(last["x"]).max() < 1 and np.abs(last["z"]).max() < 1
     assert read_table(out / "steps.csv")["overlap"].max() < 0.05
+
+
+def test_a_run_warns_of_bodies_that_begin_inside_each_other(simulate, capsys):
+    boxes = {
+        name: {"motion": "dynamic", "shape": {"type": "box", "size": [0.2, 0.2, 0.2]}, "position": [0, height, 0]}
+        for name, height in (("upper", 0.27), ("lower", 0.1))
+    }
+    simulate({"fps": 24, "rigid": {"bodies": {**boxes, "floor": {"shape": {"type": "plane"}}}}}, 1, quiet=False)
+    assert "'upper' and 'lower' begin 30 mm inside each other" in capsys.readouterr().err

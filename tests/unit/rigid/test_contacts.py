@@ -103,7 +103,7 @@ def test_a_cylinder_across_another_touches_in_one_point(angle):
         {
             "a": {
                 **CYLINDER,
-                "rotation": turn((np.sin(angle), 0, np.cos(angle)), np.pi / 2),
+                "rotation": turn(across, np.pi / 2),
                 "position": [0.07, 0.2, 0],
             },
             "b": {**CYLINDER, "rotation": turn((0, 0, 1), np.pi / 2)},
@@ -140,3 +140,11 @@ def test_a_cylinder_lies_across_another_and_stays():
     run = part({"upper": upper, "lower": lower, "floor": floor})
     step(run, 1.0)
     assert run.position[0] == pytest.approx([0, 0.3, 0], abs=1e-3)
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.0005, 0.03])
+def test_what_begins_inside_another_is_told(depth):
+    """From a hundredth of the smaller one's size on."""
+    bodies = {"upper": box((0.2, 0.2, 0.2), position=[0, 0.2 - depth, 0]), "lower": box((0.4, 0.2, 0.4))}
+    told = part(bodies | {"ball": ball(0.1, position=[2, 0, 0])}).overlaps()
+    assert told == ([("upper", "lower", pytest.approx(depth))] if depth > 0.002 else [])
