@@ -53,7 +53,8 @@ def test_the_lift_of_a_box_is_nearer_with_finer_particles(simulate):
     assert 0 < excess[1] < 0.65 * excess[0] < 0.65 * 0.2
 
 
-@ALL_IN_TIME
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ["dfsph", "wcsph", "iisph"])
 def test_a_body_on_the_ground_weighs_less_by_its_water(simulate, solver):
     """rho g V, though no particle gets under it; to the first order of the spacing over the height, a fourth."""
     body = {"shape": BRICK, "position": [0, 0.06, 0], "motion": "dynamic", "density": 2 * RHO}

@@ -50,7 +50,7 @@ def down_the_slope(bodies, slope: float, seconds: float) -> tuple[float, float]:
     return float(bodies.velocity[0] @ down) / seconds, float((bodies.position[0] - before) @ down)
 
 
-@pytest.mark.parametrize("beside", [-1, 1, 10])
+@pytest.mark.parametrize("beside", [-1, 1, pytest.param(10, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("friction", [0.5, *(pytest.param(mu, marks=pytest.mark.slow) for mu in (0.1, 1.0))])
 @pytest.mark.parametrize(("upper", "lower"), PAIRS)
 def test_what_lies_on_a_slope_sticks_or_slides(tmp_path, upper, lower, friction, beside):
@@ -86,7 +86,7 @@ def test_the_way_to_a_stop(tmp_path, upper, lower):
     assert np.abs(bodies.velocity[0]).max() < 1e-6
 
 
-@pytest.mark.parametrize("restitution", [0.5, 0.8])
+@pytest.mark.parametrize("restitution", [0.5, pytest.param(0.8, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("lower", ["plane", "box", "mesh"])
 @pytest.mark.parametrize("upper", ["box", "ball"])
 def test_bounces(tmp_path, upper, lower, restitution):
@@ -114,7 +114,7 @@ def test_bounces(tmp_path, upper, lower, restitution):
     assert np.abs(bodies.spin[0]).max() * 0.1 < 1e-3 * np.sqrt(2 * G * drop)
 
 
-@pytest.mark.parametrize("lower", ["plane", "box", "mesh"])
+@pytest.mark.parametrize("lower", ["plane", *(pytest.param(name, marks=pytest.mark.slow) for name in ("box", "mesh"))])
 def test_a_round_mesh_slides_like_a_body_of_its_mass(tmp_path, lower):
     """a = g (sin(theta) - mu cos(theta)) where friction is half of what rolling takes."""
     slope = 40 * DEGREE
@@ -127,7 +127,7 @@ def test_a_round_mesh_slides_like_a_body_of_its_mass(tmp_path, lower):
     assert acceleration == pytest.approx(G * (np.sin(slope) - friction * np.cos(slope)), rel=0.02)
 
 
-@pytest.mark.parametrize("halvings", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("halvings", [2, *(pytest.param(number, marks=pytest.mark.slow) for number in (3, 4))])
 @pytest.mark.parametrize("lower", ["plane", "mesh"])
 def test_a_round_mesh_rolls_as_a_polyhedron(tmp_path, lower, halvings):
     """Slower than a ball, 5/7 g sin(theta), and no slower than a wheel with corners as far apart as its longest edges.
@@ -164,7 +164,7 @@ def test_no_mesh_passes_through_a_thin_wall(tmp_path, lower):
     assert bodies.velocity[0, 0] < 0
 
 
-@pytest.mark.parametrize("inner", ["mesh", "ball"])
+@pytest.mark.parametrize("inner", ["mesh", pytest.param("ball", marks=pytest.mark.slow)])
 def test_what_is_in_a_mesh_container_rests_on_its_floor(simulate, tmp_path, inner):
     from tests.particles import read_table
 
