@@ -97,6 +97,7 @@ def error_of_draft(simulate, shape: dict, ratio: float, spacing: float, name: st
     return level - found - draft(kind, ratio)
 
 
+@pytest.mark.slow
 def test_a_box_floats_as_deep_as_it_should(simulate):
     """Within a spacing: fluid has no sharper surface."""
     assert abs(error_of_draft(simulate, BRICK, 0.5, 0.03)) < 0.03

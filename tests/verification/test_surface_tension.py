@@ -76,7 +76,7 @@ def stress(out, frame: int) -> tuple[float, float]:
     return float((share * force).sum() / (3 * (mass / rho[inner]).sum())), 2 * SIGMA / radius
 
 
-@pytest.mark.parametrize("cells", [6, 9])
+@pytest.mark.parametrize("cells", [6, pytest.param(9, marks=pytest.mark.slow)])
 def test_the_pressure_in_a_drop_is_laplaces(tmp_path, cells):
     """2 sigma / R to 40 %: the difference of two pressures, of which each is three to five times as much, in particles
     that have come to rest unevenly."""
