@@ -32,8 +32,8 @@ EVENTS = [
 SCENE = pool(fluid__emitters={"tap": TAP}, fluid__drains={"sink": SINK}, events=EVENTS)
 """Within frames, and at those at which the run is cut."""
 LAST = 28
-CUTS = (6, 11, 18, 22)
-"""With particles in the nozzle and part of a layer due; while it is stopped; at events."""
+CUTS = (11, 18, *(pytest.param(frame, marks=pytest.mark.slow) for frame in (6, 22)))
+"""While it is stopped; at events; with particles in the nozzle and part of a layer due."""
 
 
 def counts(out):

@@ -40,7 +40,7 @@ def scene(solver):
 
 
 @pytest.mark.parametrize("solver", STRESSED)
-@pytest.mark.parametrize("cut", [2, 4])
+@pytest.mark.parametrize("cut", [2, pytest.param(4, marks=pytest.mark.slow)])
 def test_two_parts_are_the_whole(simulate, solver, cut):
     whole = simulate(scene(solver), 8, "whole", threads=1)
     first = simulate(scene(solver), cut, "first", threads=1)
