@@ -47,6 +47,13 @@ class Declared:
 _ELEMENTS = {"vec4": (vec4, numpy_real, 4), "vec2i": (vec2i, np.int32, 2), "real": (real, numpy_real, 1)}
 
 
+def integer_array(values: np.ndarray) -> ti.Ndarray:
+    """The same integers on the device."""
+    array = ti.ndarray(ti.i32, values.shape)
+    array.from_numpy(np.ascontiguousarray(values, dtype=np.int32))
+    return array
+
+
 class Particles:
     """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared."""
 

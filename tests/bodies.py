@@ -49,6 +49,21 @@ def part(
     return RigidPart(made, np.array(gravity), spec.rigid, RigidState())
 
 
+def bounces(part: RigidPart, seconds: float, below: float) -> list[float]:
+    """How high [m] the first body's lowest point, `below` [m] its centre, comes after each time that it has met
+    something, in a time [s]."""
+    tops, before = [], [0.0, -1.0]
+
+    def look(time: float) -> None:
+        height, speed = part.position[0, 1], part.velocity[0, 1]
+        if before[1] > 0 >= speed:
+            tops.append(max(height, before[0]) - below)
+        before[:] = height, speed
+
+    step(part, seconds, look)
+    return tops
+
+
 def step(part: RigidPart, seconds: float, each: Callable[[float], None] | None = None, dt: float | None = None) -> int:
     """Step for a time [s], by `dt` [s] or as long as limits allow; calls `each` with the time; returns the number."""
     time, steps = 0.0, 0

@@ -15,9 +15,10 @@ import taichi as ti
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.arrays import numpy_real, vec3, vec4
+from sim.arrays import integer_array, numpy_real, vec3, vec4
 from sim.coupling.film_sums import place, press
 from sim.fluid.calibration import lack
+from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance import cover
 from sim.geometry.scatter import first_come
@@ -72,14 +73,14 @@ class Film:
         self.reach = REACH * spacing
         """By how much [m] the boxes around bodies have to be enlarged to overlap where there is a film."""
         self._arms, self._areas = _vectors(arms), _vectors(areas)
-        self._body = _integers(body)
-        self._number = _integers(np.asarray(rows) + 1)
-        self._ends = _integers(np.concatenate(([0], np.cumsum(sizes))))
-        self._beside = _integers(_beside(arms, body, BESIDE * spacing))
+        self._body = integer_array(body)
+        self._number = integer_array(np.asarray(rows) + 1)
+        self._ends = integer_array(np.concatenate(([0], np.cumsum(sizes))))
+        self._beside = integer_array(_beside(arms, body, BESIDE * spacing))
         self._here, self._ahead, self._beyond, self._normals, self._found, self._forces = (
             ti.ndarray(vec4, self.count) for _ in range(6)
         )
-        self._motions = ti.ndarray(ti.f64, (len(parts), 18))
+        self._motions = ti.ndarray(ti.f64, (len(parts), MOTION))
         self._wrench = ti.ndarray(ti.f64, (len(parts), 6))
         self._lacking = lack(spacing, system.h).density
         self._near, self._far, self._standing, self._moving = (NeighborList(48) for _ in range(4))
@@ -163,10 +164,4 @@ def _beside(points: np.ndarray, body: np.ndarray, radius: float) -> np.ndarray:
 def _vectors(values: np.ndarray) -> ti.Ndarray:
     array = ti.ndarray(vec4, len(values))
     array.from_numpy(np.column_stack((values, np.zeros(len(values)))).astype(numpy_real))
-    return array
-
-
-def _integers(values: np.ndarray) -> ti.Ndarray:
-    array = ti.ndarray(ti.i32, values.shape)
-    array.from_numpy(np.ascontiguousarray(values, dtype=np.int32))
     return array

@@ -137,8 +137,9 @@ class Floating:
 
     def _films(self) -> np.ndarray:
         """Wrenches of the films between solids that are near each other."""
-        near = len(self.rigid.near(self.film.reach))
-        return self.film.wrenches(self._here) if near else np.zeros_like(self._steady)
+        if not self.system.count or not len(self.rigid.near(self.film.reach)):
+            return np.zeros_like(self._steady)
+        return self.film.wrenches(self._here)
 
     def _push(self, wrench: np.ndarray) -> None:
         self.rigid.fluid_force[self._bodies] = wrench[:, :3]

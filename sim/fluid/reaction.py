@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
+from sim.arrays import integer_array
 from sim.fluid.momentum import Momentum
 from sim.fluid.reaction_sums import answer_pressure, expect, give_way, push_back
 from sim.fluid.system import FluidSystem
@@ -43,8 +44,8 @@ class Reaction:
             body_of[mine] = body
             chunks += [(begin, min(begin + CHUNK, mine[-1] + 1), body) for begin in range(mine[0], mine[-1] + 1, CHUNK)]
             ends.append(len(chunks))
-        self.body_of = _table(body_of)
-        self.chunks, self.ends = _table(np.array(chunks, dtype=np.int32)), _table(np.array(ends, dtype=np.int32))
+        self.body_of = integer_array(body_of)
+        self.chunks, self.ends = integer_array(np.array(chunks)), integer_array(np.array(ends))
         self.partial = ti.ndarray(ti.f64, (len(chunks), 6))
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
         self._wrench = ti.ndarray(ti.f64, (self.count, 6))
@@ -173,9 +174,3 @@ class Reaction:
     @property
     def bytes(self) -> int:
         return self.near.bytes + 4 * self.body_of.shape[0] + 48 * self.partial.shape[0]
-
-
-def _table(values: np.ndarray) -> ti.Ndarray:
-    array = ti.ndarray(ti.i32, values.shape)
-    array.from_numpy(values)
-    return array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import ball, box, ground, part, step, turn
+from tests.bodies import ball, bounces, box, ground, part, step, turn
 
 BODIES = {
     "ball": ball(0.1),
@@ -23,15 +23,7 @@ def test_bounces_are_as_high_as_they_should_be(name, restitution):
     surface = {"restitution": restitution}
     below = 0.2 if name == "capsule" else 0.1
     bodies = part({name: {**BODIES[name], "position": [0, drop + below, 0], **surface}, "floor": ground(**surface)})
-    tops, before = [], [0.0, -1.0]
-
-    def look(time: float) -> None:
-        height, speed = bodies.position[0, 1], bodies.velocity[0, 1]
-        if before[1] > 0 >= speed:
-            tops.append(max(height, before[0]) - below)
-        before[:] = height, speed
-
-    step(bodies, 2.2, look)
+    tops = bounces(bodies, 2.2, below)
     expected = [drop * restitution ** (2 * n) for n in range(1, 4 if restitution < 1 else 3)]
     assert tops[: len(expected)] == pytest.approx(expected, rel=0.01)
 

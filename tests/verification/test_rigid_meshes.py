@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.bodies import G, ball, box, ground, part, step, turn
+from tests.bodies import G, ball, bounces, box, ground, part, step, turn
 from tests.meshes import body, write
 
 
@@ -106,15 +106,7 @@ def test_bounces(tmp_path, upper, lower, restitution):
     settings = {"position": [0.013, drop + below, 0.017], "restitution": restitution}
     moving = flat("mesh", tmp_path, **settings) if upper == "box" else round_mesh(tmp_path, 3, **settings)
     bodies = part({"body": moving, "floor": support(lower, tmp_path, restitution=restitution)})
-    tops, before = [], [0.0, -1.0]
-
-    def look(time: float) -> None:
-        height, speed = bodies.position[0, 1], bodies.velocity[0, 1]
-        if before[1] > 0 >= speed:
-            tops.append(max(height, before[0]) - below)
-        before[:] = height, speed
-
-    step(bodies, 1.3 if restitution == 0.5 else 1.9, look)
+    tops = bounces(bodies, 1.3 if restitution == 0.5 else 1.9, below)
     expected = [drop * restitution ** (2 * n) for n in (1, 2)]
     assert tops[:2] == pytest.approx(expected, rel=0.01)
     assert np.abs(bodies.spin[0]).max() * 0.1 < 1e-3 * np.sqrt(2 * G * drop)
