@@ -15,6 +15,7 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.cloth.state import ClothState
     from sim.fluid.part import FluidState
     from sim.rigid.body import RigidState
 
@@ -36,7 +37,7 @@ class Clock:
 
 @dataclass
 class Checkpoint:
-    """A clock, the counts so far, the next times of the probes, what emitters have sent, particles and rigid bodies."""
+    """A clock, the counts so far, the next times of the probes, what emitters have sent, particles, bodies, cloth."""
 
     clock: Clock
     counts: dict[str, int]
@@ -45,6 +46,7 @@ class Checkpoint:
     origin: np.ndarray
     fluid: FluidState | None
     rigid: RigidState | None = None
+    cloth: ClothState | None = None
 
     @property
     def bytes(self) -> int:
@@ -53,7 +55,7 @@ class Checkpoint:
 
     def _arrays(self) -> dict[str, np.ndarray]:
         """What the materials hold, by the name that it has in the file."""
-        materials = {"fluid": self.fluid, "rigid": self.rigid}
+        materials = {"fluid": self.fluid, "rigid": self.rigid, "cloth": self.cloth}
         return {
             f"{material}.{name}": values
             for material, state in materials.items()
@@ -72,6 +74,8 @@ class Checkpoint:
         }
         if self.rigid is not None:
             meta["dynamic_bodies"] = self.rigid.names
+        if self.cloth is not None:
+            meta["sheets"] = list(self.cloth.sheets.items())
         arrays: dict[str, Any] = {"meta": np.array(json.dumps(meta, sort_keys=True)), "origin": self.origin}
         arrays |= self._arrays()
         with whole(path) as stream:
@@ -103,8 +107,17 @@ class Checkpoint:
                 tuple(meta["dynamic_bodies"]),
                 **{name: _array(path, arrays, f"rigid.{name}", kind) for name, kind in kinds.items()},
             )
+        cloth = None
+        if "sheets" in meta:
+            from sim.cloth.state import ClothState
+
+            kinds = {name: kind for name, kind in vars(ClothState()).items() if name != "sheets"}
+            cloth = ClothState(
+                dict(meta["sheets"]),
+                **{name: _array(path, arrays, f"cloth.{name}", kind) for name, kind in kinds.items()},
+            )
         clock, emission = Clock(**meta["clock"]), meta.get("emission", {})
-        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid, rigid)
+        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid, rigid, cloth)
 
 
 def state_name(frame: int) -> str:

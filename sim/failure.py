@@ -51,6 +51,8 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     """The first thing wrong after a step, from the counts that one pass over the particles left."""
     if world.rigid and not world.rigid.measure().finite:
         return Fault("a rigid body has values that are not finite", "use a smaller step (rigid.max_step)")
+    if world.cloth and not world.cloth.measure().finite:
+        return Fault("the cloth has values that are not finite", "use a smaller step (cloth.max_step)")
     if measure is None or not world.fluid.count:
         return None
     fault = _particle_fault(world, measure) or _fixed_step_fault(world, measure, dt)

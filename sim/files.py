@@ -45,14 +45,27 @@ def write_points(path: Path, points: np.ndarray) -> None:
         stream.write(np.ascontiguousarray(points).tobytes())
 
 
-def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray, colors: np.ndarray | None = None) -> None:
+def write_mesh(
+    path: Path,
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    colors: np.ndarray | None = None,
+    velocities: np.ndarray | None = None,
+) -> None:
     """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3].
 
-    `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out.
+    `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out. `velocities` of the vertices
+    [m/s], shape [n, 3].
     """
     channels = () if colors is None else ("red", "green", "blue")
-    points = np.empty(len(vertices), dtype=[("place", "<f4", (3,)), ("color", "u1", (len(channels),))])
+    rates = () if velocities is None else ("vx", "vy", "vz")
+    points = np.empty(
+        len(vertices),
+        dtype=[("place", "<f4", (3,)), ("velocity", "<f4", (len(rates),)), ("color", "u1", (len(channels),))],
+    )
     points["place"] = vertices
+    if velocities is not None:
+        points["velocity"] = velocities
     if colors is not None:
         points["color"] = colors[:, :3]
     triangles = np.empty(len(faces), dtype=[("count", "u1"), ("index", "<i4", (3,))])
@@ -62,7 +75,7 @@ def write_mesh(path: Path, vertices: np.ndarray, faces: np.ndarray, colors: np.n
         "ply",
         "format binary_little_endian 1.0",
         f"element vertex {len(vertices)}",
-        *(f"property float {axis}" for axis in "xyz"),
+        *(f"property float {name}" for name in ("x", "y", "z", *rates)),
         *(f"property uchar {channel}" for channel in channels),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",

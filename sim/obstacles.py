@@ -17,9 +17,9 @@ from sim.settings import Refused
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.movement import Movement
+    from sim.prescribed import Prescribed
     from sim.rigid.dynamic import Dynamic
-    from sim.rigid.movement import Movement
-    from sim.rigid.prescribed import Prescribed
     from sim.rigid.spec import RigidBody
 
 
@@ -142,7 +142,7 @@ def box_bounds(container: BoxContainer) -> np.ndarray:
 def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
     motion = None
     if body.motion == "prescribed":
-        from sim.rigid.prescribed import Prescribed
+        from sim.prescribed import Prescribed
 
         motion = Prescribed(body)
         if body.keyframes:
@@ -157,8 +157,8 @@ def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
 
 
 def _dynamic(body: RigidBody, solid: Solid, location: tuple[str, ...]) -> Dynamic:
+    from sim.movement import Movement
     from sim.rigid.dynamic import Dynamic
-    from sim.rigid.movement import Movement
 
     try:
         mass = solid.mass_properties(body.density)

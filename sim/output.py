@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.cloth.spec import Cloth
 from sim.files import FLUID_POINT, Table, write_mesh, write_points
 from sim.geometry.solids import vertex_colors
 from sim.probes import COLUMNS as PROBE_COLUMNS
@@ -28,6 +29,7 @@ FLUID_COLUMNS = (
     "potential_energy",
 )
 RIGID_COLUMNS = ("rigid_kinetic_energy", "rigid_potential_energy")
+CLOTH_COLUMNS = ("cloth_kinetic_energy", "cloth_potential_energy", "cloth_elastic_energy", "cloth_stretch")
 
 
 class Output:
@@ -42,7 +44,9 @@ class Output:
         self.has_fluid = spec.fluid is not None
         self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS, until)
         self.steps = Table(
-            folder / "steps.csv", STEP_COLUMNS + self._fluid_columns(spec) + self._rigid_columns(spec), until
+            folder / "steps.csv",
+            STEP_COLUMNS + self._fluid_columns(spec) + self._rigid_columns(spec) + self._cloth_columns(spec),
+            until,
         )
         self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
         self._meshes: set[str] = set()
@@ -68,6 +72,17 @@ class Output:
 
         self._contact_statistics = STATISTICS
         return RIGID_COLUMNS + STATISTICS
+
+    def _cloth_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        self._cloth_statistics: tuple[str, ...] = ()
+        if "cloth" not in spec.materials():
+            return ()
+        from sim.cloth import load_integrator
+
+        self._cloth_statistics = load_integrator(
+            spec.cloth.integrator if spec.cloth else Cloth.model_fields["integrator"].default
+        ).STATISTICS
+        return CLOTH_COLUMNS + self._cloth_statistics
 
     def step(
         self,
@@ -96,27 +111,37 @@ class Output:
             rigid = world.rigid.measure() if world.rigid else None
             row += [rigid.kinetic_energy, rigid.potential_energy] if rigid else [0.0, 0.0]
             row += [told.get(name, 0) for name in self._contact_statistics]
+        if self._cloth_statistics:
+            cloth = world.cloth.measure() if world.cloth else None
+            row += [cloth.kinetic_energy, cloth.potential_energy, cloth.elastic_energy] if cloth else [0.0] * 3
+            row += [cloth.stretch_max if cloth else 0.0]
+            row += [told.get(name, 0) for name in self._cloth_statistics]
         self.steps.add(*row)
 
     def frame(self, frame: int, time: float, world: World) -> None:
-        """Particles and bodies of one frame; the tables' rows up to it become final.
+        """Particles, bodies and cloth of one frame; the tables' rows up to it become final.
 
         Where that fails or is interrupted, nothing of the frame stays.
         """
-        particles = self.folder / f"fluid_{frame:05d}.ply"
+        names = ["fluid", *(f"cloth_{item.name}" for item in world.sheets)]
+        files = {name: self.folder / f"{name}_{frame:05d}.ply" for name in names}
         for table in self._tables():
             table.mark()
         try:
-            self._frame(particles, frame, time, world)
+            self._frame(files, frame, time, world)
         except BaseException:
             for table in self._tables():
                 table.undo()
-            particles.unlink(missing_ok=True)
+            for file in files.values():
+                file.unlink(missing_ok=True)
             raise
 
-    def _frame(self, particles: Path, frame: int, time: float, world: World) -> None:
+    def _frame(self, files: dict[str, Path], frame: int, time: float, world: World) -> None:
         if world.fluid is not None:
-            write_points(particles, fluid_points(world))
+            write_points(files["fluid"], fluid_points(world))
+        for item in world.sheets:
+            vertices, velocities = world.cloth.vertices(item.name)
+            write_mesh(files[f"cloth_{item.name}"], vertices, item.fabric.triangles, velocities=velocities)
         for item in world.obstacles.placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
             if not item.hollow:

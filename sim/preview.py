@@ -30,6 +30,8 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         for outlet in world.outlets:
             flow = f"{outlet.rate:.3g} m^3/s at {outlet.speed:.3g} m/s"
             parts.append(f"{outlet.name}: {flow}, {outlet.particle_rate:,.0f} particles a second")
+    if world.sheets:
+        parts.insert(-1, f"{sum(len(item.fabric.points) for item in world.sheets):,} points of cloth")
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]

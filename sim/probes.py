@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.spec import BodyForce, Front, Pressure, Probe, SimulationSpec, Volume, WaterHeight
+from sim.spec import BodyForce, Front, Pressure, Probe, SimulationSpec, VertexPosition, Volume, WaterHeight
 
 if TYPE_CHECKING:
     from sim.world import World
@@ -27,14 +27,19 @@ class Probes:
     def sample(self, world: World, time: float) -> Iterator[tuple[float, str, str, float, str]]:
         """Rows for the probes that are due at or before `time` [s], with the time of this step."""
         names = [name for name in self.probes if self.due[name] <= time + 1e-12]
-        if not names or world.fluid is None:
-            return
-        view = FluidView(world, time)
+        view = None
         for name in names:
             probe = self.probes[name]
             rate = probe.rate or self.fps
             self.due[name] = (math.floor(time * rate + 1e-6) + 1) / rate
-            for quantity, value, unit in view.read(probe):
+            if isinstance(probe, VertexPosition):
+                rows = _vertex(world, probe)
+            elif world.fluid is None:
+                continue
+            else:
+                view = view or FluidView(world, time)
+                rows = view.read(probe)
+            for quantity, value, unit in rows:
                 yield time, name, quantity, value, unit
 
 
@@ -119,6 +124,14 @@ class FluidView:
                 centre = item.centre_at(self.time) - self.world.origin
                 return reaction(self.world.fluid.system, index, centre)
         return np.zeros(3), np.zeros(3)
+
+
+def _vertex(world: World, probe: VertexPosition) -> list[tuple[str, float, str]]:
+    """Where a vertex is; nothing while its sheet is not there."""
+    if world.cloth is None or not any(item.name == probe.sheet for item in world.sheets):
+        return []
+    place = world.cloth.vertices(probe.sheet)[0][probe.vertex]
+    return [(f"position_{axis}", float(place[k]), "m") for k, axis in enumerate("xyz")]
 
 
 def _heights(particles: np.ndarray, h: float) -> np.ndarray:

@@ -85,7 +85,11 @@ class Run:
         self.probes = Probes(self.spec, checkpoint.probe_times)
         with self.stopwatch.phase("build"):
             self.world = World(
-                spec_before(self.spec, self.clock.time), self.folder, checkpoint.origin, checkpoint.rigid
+                spec_before(self.spec, self.clock.time),
+                self.folder,
+                checkpoint.origin,
+                checkpoint.rigid,
+                checkpoint.cloth,
             )
         self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
 
@@ -99,6 +103,7 @@ class Run:
             origin=self.world.origin,
             fluid=self.world.fluid.state() if self.world.fluid else None,
             rigid=self.world.rigid.state() if self.world.rigid else None,
+            cloth=self.world.cloth.state() if self.world.cloth else None,
         )
 
     def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> None:
@@ -195,7 +200,7 @@ class Run:
 
     def _target(self, until: float) -> float:
         """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
-        keyframe = self.world.obstacles.next_keyframe(self.clock.time)
+        keyframe = self.world.next_keyframe(self.clock.time)
         return keyframe if keyframe < until - TIME_TOLERANCE else until
 
     def _wanted_step(self, limit: float) -> float:
@@ -216,8 +221,9 @@ class Run:
         emission, names = self._emission(), self._body_names()
         # Contacts are numbered by the bodies there are, which may change.
         rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
+        cloth = self.world.cloth.state().without_contacts() if self.world.cloth else None
         with self.stopwatch.phase("build"):
-            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin, rigid)
+            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin, rigid, cloth)
             for event in events if state is not None else ():
                 for name in event.remove:
                     if name in names:
@@ -253,7 +259,7 @@ class Run:
 
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         self._tell_mended()
-        if state is not None or self.world.obstacles.dynamic:
+        if state is not None or self.world.obstacles.dynamic or self.world.sheets:
             with self.stopwatch.phase(COMPILE):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):

@@ -34,19 +34,16 @@ def _refuse_empty_fluid(spec: SimulationSpec) -> None:
 
 
 def _refuse_settings(spec: SimulationSpec) -> None:
-    if spec.cloth is not None:
-        raise Refused("cloth is not simulated yet", location=("cloth",), remedy="remove the cloth from the scene")
     for location, body in spec.placements():
         group = location[-2] if location[0] == "events" else location[0]
-        if group == "cloth":
-            raise Refused("cloth is not simulated yet", location=location, remedy="remove it from the event")
         held = spec.fluid is not None or spec.has_dynamic_bodies()
         if group == "containers" and not isinstance(body, BoxContainer) and not held:
             message = "a mesh container without fluid or dynamic bodies holds nothing"
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
     for name, probe in spec.probes.items():
         if probe.type == "vertex":
-            raise Refused("cloth is not simulated yet", location=("probes", name), remedy="remove this probe")
+            _refuse_sheetless(spec, name, probe.sheet)
+            continue
         if spec.fluid is None:
             message = "this probe measures fluid, and the scene has none"
             raise Refused(message, location=("probes", name), remedy="remove it")
@@ -97,6 +94,16 @@ def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> 
 def _path(body: RigidBody) -> tuple[Any, ...]:
     shape = (body.shape, body.position, body.rotation, body.scale)
     return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
+
+
+def _refuse_sheetless(spec: SimulationSpec, name: str, sheet: str) -> None:
+    groups = [spec.cloth.sheets if spec.cloth else {}, *(event.add.cloth for event in spec.events)]
+    if not any(sheet in group for group in groups):
+        raise Refused(
+            f"'{sheet}' is no sheet of cloth",
+            location=("probes", name, "sheet"),
+            remedy="name one of cloth.sheets, or remove the probe",
+        )
 
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:

@@ -16,6 +16,8 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.cloth.part import ClothPart, PlacedSheet
+    from sim.cloth.state import ClothState
     from sim.coupling.floating import Floating
     from sim.fluid.drains import Sink
     from sim.fluid.emitters import Outlet
@@ -23,8 +25,8 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidPart, FluidState
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
+    from sim.movement import Movement
     from sim.rigid.body import RigidState
-    from sim.rigid.movement import Movement
     from sim.rigid.part import RigidPart
 
 COARSEST = 0.01
@@ -66,8 +68,9 @@ class World:
         folder: Path,
         origin: np.ndarray | None = None,
         rigid_state: RigidState | None = None,
+        cloth_state: ClothState | None = None,
     ):
-        """Place everything; raises Refused. `origin` [m] and what dynamic bodies do are given when a run goes on."""
+        """Place everything; raises Refused. `origin` [m] and what bodies and cloth do are given when a run goes on."""
         self.spec = spec
         self.folder = folder
         self.gravity = np.array(spec.gravity)
@@ -75,14 +78,17 @@ class World:
         self.sources = self._find_sources()
         self.outlets = self._find_outlets()
         self.sinks = self._find_sinks()
-        self.bounds = action_bounds([*self.sources, *self.outlets], self.obstacles)
+        self.sheets = self._find_sheets()
+        self.bounds = action_bounds([*self.sources, *self.outlets, *self.sheets], self.obstacles)
         self._refuse_remote()
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
         self.fluid: FluidPart | None = None
         self.flow: Flow | None = None
         self.rigid: RigidPart | None = None
         self.floating: Floating | None = None
+        self.cloth: ClothPart | None = None
         self._rigid_state = rigid_state
+        self._cloth_state = cloth_state
         if rigid_state is not None:
             self._put_back(rigid_state)
         self.emission: dict[str, Any] = {}
@@ -138,6 +144,8 @@ class World:
         self.time = time
         if self.obstacles.dynamic:
             self._build_rigid()
+        if self.sheets:
+            self._build_cloth(time)
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_samples, pivots
@@ -191,6 +199,18 @@ class World:
         self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, self._rigid_state or RigidState())
         self._follow()
 
+    def _build_cloth(self, time: float) -> None:
+        from sim.cloth.part import ClothPart
+        from sim.cloth.state import ClothState
+
+        solids = None
+        if self.obstacles.placed or self.obstacles.walls:
+            from sim.coupling.cloth_rigid import find_solids
+
+            solids = find_solids(self.spec, self.obstacles, time)
+        state = self._cloth_state or ClothState()
+        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, solids)
+
     def step_limit(self, measure: Measure | None) -> float:
         """Largest stable time step [s]; infinite where nothing moves."""
         return min(self._step_limits(measure).values(), default=math.inf)
@@ -210,6 +230,11 @@ class World:
                 return "a body much lighter than the fluid", "use fluid.solver: dfsph or iisph, or a heavier body"
             case "rigid step":
                 return "rigid.max_step", "raise it"
+            case "cloth step":
+                return "cloth.max_step", "raise it"
+            case "cloth stiffness":
+                remedy = "use cloth.integrator: implicit_euler, a lower stiffness, or a larger spacing"
+                return f"the stiffness of the cloth (explicit steps of {self.cloth.integrator.stable:.2g} s)", remedy
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "viscosity":
@@ -229,6 +254,7 @@ class World:
 
     def _step_limits(self, measure: Measure | None) -> dict[str, float]:
         limits = self.rigid.step_limits(self.rigid.measure()) if self.rigid else {}
+        limits |= self.cloth.step_limits() if self.cloth else {}
         emitted = self.flow.fastest(self.time) if self.flow else 0.0
         if measure is None or not (self.fluid.count or emitted):
             return limits
@@ -249,6 +275,8 @@ class World:
         if self.rigid and not together:
             told = self.rigid.advance(dt, moved)
             self._follow()
+        if self.cloth:
+            told |= self.cloth.advance(dt, until, self._solid_places(until))
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
             told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
@@ -256,6 +284,14 @@ class World:
             self._follow()
         self.time = until
         return told
+
+    def _solid_places(self, time: float) -> np.ndarray | None:
+        """Where surfaces that cloth may meet are at `time` [s], if any of them moves."""
+        if not any(item.motion for item in self.obstacles.placed):
+            return None
+        from sim.coupling.cloth_rigid import places
+
+        return places(self.obstacles, time)
 
     def _follow(self) -> None:
         """Keep the motions of dynamic bodies up to date."""
@@ -287,6 +323,10 @@ class World:
         """Extremes, sums and error counts of the fluid; None without one."""
         return self.fluid.measure(self.floor, self.spec.step.cfl) if self.fluid else None
 
+    def next_keyframe(self, time: float) -> float:
+        """The first time after `time` [s] at which the velocity of a body or pin jumps; infinite where none does."""
+        return min(self.obstacles.next_keyframe(time), self.cloth.next_keyframe(time) if self.cloth else math.inf)
+
     def choices(self) -> dict[str, str]:
         """What settings of `auto` came to."""
         if not self.fluid or not self.spec.fluid.viscosity:
@@ -295,13 +335,14 @@ class World:
 
     def bytes_by_module(self) -> dict[str, int]:
         found = {"fluid": self.fluid.system.bytes} if self.fluid else {}
-        return found | ({"rigid": self.rigid.bytes} if self.rigid else {})
+        found |= {"rigid": self.rigid.bytes} if self.rigid else {}
+        return found | ({"cloth": self.cloth.bytes} if self.cloth else {})
 
     @functools.cached_property
     def floor(self) -> float:
         """Height of the lowest solid or fluid [m], along the direction against gravity."""
         heights = [self._extent_up(np.asarray(bounds))[0] for bounds in self.obstacles.bounds()]
-        heights += [self._extent_up(inflow.bounds)[0] for inflow in self._inflows]
+        heights += [self._extent_up(item.bounds)[0] for item in [*self._inflows, *self.sheets]]
         heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
         return min(heights, default=0.0)
 
@@ -356,6 +397,22 @@ class World:
             for name, body in bodies.items()
         ]
 
+    def _find_sheets(self) -> list[PlacedSheet]:
+        if self.spec.cloth is None:
+            return []
+        from sim.cloth.part import find_sheets
+
+        sheets = find_sheets(self.spec.cloth, self.folder)
+        points = {item.name: len(item.fabric.points) for item in sheets}
+        for name, probe in self.spec.probes.items():
+            if probe.type == "vertex" and probe.vertex >= points.get(probe.sheet, math.inf):
+                raise Refused(
+                    f"the sheet '{probe.sheet}' has {points[probe.sheet]} points, numbered from 0",
+                    location=("probes", name, "vertex"),
+                    remedy=f"give one below {points[probe.sheet]}",
+                )
+        return sheets
+
     def _find_outlets(self) -> list[Outlet]:
         if self.spec.fluid is None or not self.spec.fluid.emitters:
             return []
@@ -399,8 +456,8 @@ class World:
         )
 
 
-def action_bounds(sources: Sequence[Source | Outlet], obstacles: Obstacles) -> np.ndarray:
-    """Box around all that happens [m], shape [2, 3]: fluid, bodies, and containers as high as those."""
+def action_bounds(sources: Sequence[Source | Outlet | PlacedSheet], obstacles: Obstacles) -> np.ndarray:
+    """Box around all that happens [m], shape [2, 3]: fluid, cloth, bodies, and containers as high as those."""
     boxes = [np.array(box) for box in obstacles.box_bounds()]
     inner = [np.asarray(source.bounds) for source in sources]
     inner += [item.bounds for item in obstacles.placed]

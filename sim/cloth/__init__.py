@@ -1,0 +1,16 @@
+"""Cloth: masses and springs, stepped by one of three integrators."""
+
+from importlib import import_module
+
+INTEGRATORS = {
+    "symplectic_euler": "sim.cloth.symplectic_euler:SymplecticEuler",
+    "implicit_euler": "sim.cloth.implicit_euler:ImplicitEuler",
+    "xpbd": "sim.cloth.xpbd:XPBD",
+}
+"""By the name they have in a scene."""
+
+
+def load_integrator(name: str) -> type:
+    """The class of an integrator; only the chosen one is imported."""
+    module, _, attribute = INTEGRATORS[name].partition(":")
+    return getattr(import_module(module), attribute)

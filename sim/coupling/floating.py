@@ -20,7 +20,7 @@ from sim.coupling.lightness import lightness
 from sim.fluid.momentum import Momentum
 from sim.fluid.reaction import Reaction
 from sim.fluid.system import FluidSystem
-from sim.rigid.movement import Movement
+from sim.movement import Movement
 from sim.rigid.part import RigidPart
 
 

@@ -5,8 +5,8 @@ Separating axes: Gottschalk, Lin & Manocha 1996.
 
 import taichi as ti
 
+from sim.double import mat3, vec3
 from sim.rigid.manifold import FEW, add
-from sim.rigid.types import mat3, vec3
 
 FACES_FIRST = 0.02
 """Two edges have to be apart by this share of the size more than the faces are, to be what meets: they do so in one

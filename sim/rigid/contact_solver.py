@@ -10,7 +10,7 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 
 import taichi as ti
 
-from sim.rigid.types import Integers, Matrices, Numbers, Quaternions, Vectors, mat3, vec2, vec3
+from sim.double import Integers, Matrices, Numbers, Quaternions, Vectors, mat3, vec2, vec3
 
 Motion = ti.types.argpack(
     position=Vectors,

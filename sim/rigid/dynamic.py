@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from sim.rigid.movement import Movement
+from sim.movement import Movement
 
 
 class Dynamic:

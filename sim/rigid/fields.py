@@ -6,7 +6,7 @@ shape is a grid of distances. Distances are exact outside; a grid's are as good 
 
 import taichi as ti
 
-from sim.rigid.types import Integers, Numbers, vec3, vec4
+from sim.double import Integers, Numbers, vec3, vec4
 
 PLANE, SPHERE, BOX, CAPSULE, CYLINDER, TORUS, GRID = range(7)
 

@@ -2,9 +2,9 @@
 
 import taichi as ti
 
+from sim.double import Integers, Matrices, Numbers, Vectors, vec3
 from sim.rigid.contact_solver import Motion
 from sim.rigid.rotation import angular_velocity, rotation_of, spun, turned
-from sim.rigid.types import Integers, Matrices, Numbers, Vectors, vec3
 
 
 @ti.kernel

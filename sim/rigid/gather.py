@@ -2,10 +2,10 @@
 
 import taichi as ti
 
+from sim.double import Integers, Numbers, Vectors, vec3
 from sim.rigid.contact_solver import Contacts, Motion, relative_velocity
 from sim.rigid.manifold import MOST, Found
 from sim.rigid.rotation import rotation_of
-from sim.rigid.types import Integers, Numbers, Vectors, vec3
 
 NEAR = 0.3
 """A contact goes on from the nearest of its pair in the step before, within this share of the smaller body."""

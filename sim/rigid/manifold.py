@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.rigid.types import Numbers, Vectors, vec3
+from sim.double import Numbers, Vectors, vec3
 
 MOST = 8
 """Contacts of a pair that are kept."""

@@ -4,6 +4,7 @@ import math
 
 import taichi as ti
 
+from sim.double import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
 from sim.rigid.box_box import box_box
 from sim.rigid.fields import (
     BOX,
@@ -24,7 +25,6 @@ from sim.rigid.fields import (
 from sim.rigid.manifold import FEW, MOST, Found, add
 from sim.rigid.rotation import rotation_of
 from sim.rigid.shapes import AXIS, CIRCLE, POINT, SEGMENT
-from sim.rigid.types import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
 
 AROUND = 16
 """Points on a circle among which the nearest is looked for first; every other one may become a contact, too."""

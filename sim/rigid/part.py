@@ -13,16 +13,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from sim.double import vec3
+from sim.movement import Movement
 from sim.rigid import contact_solver, free_motion, gather, restitution
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
 from sim.rigid.fields import PLANE
-from sim.rigid.movement import Movement
 from sim.rigid.narrow_phase import find_contacts
 from sim.rigid.spec import Rigid
 from sim.rigid.surfaces import Surfaces
 from sim.rigid.tables import ContactTables, integers, numbers, shapes
-from sim.rigid.types import vec3
 
 STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "contacts_capped")
 """What is told of a step: how many contacts, sweeps over them, the velocity that the last of them changed most [m/s],

@@ -7,8 +7,8 @@ pair are struck together, so that a box which lands flat bounces flat.
 
 import taichi as ti
 
+from sim.double import Integers, Numbers, Vectors
 from sim.rigid.contact_solver import Contacts, Motion, relative, relative_velocity, strike
-from sim.rigid.types import Integers, Numbers, Vectors
 
 WITHIN = 8
 """Sweeps over the contacts of one pair."""

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.rigid.types import mat3, vec3, vec4
+from sim.double import mat3, vec3, vec4
 
 MOST_ROUNDS = 30
 """Of the midpoint's fixed-point iteration; at steps of 0.1 rad it is done after about ten."""

@@ -16,7 +16,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sim.obstacles import find_obstacles
-from sim.rigid.prescribed import Prescribed
+from sim.prescribed import Prescribed
 from sim.rigid.spec import RigidBody
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame, read_table
@@ -182,8 +182,8 @@ def test_a_scene_in_which_nothing_moves_loads_nothing_for_it(tmp_path, motion):
     done = finish([sys.executable, "-c", code, *options], tmp_path)
     modules = set(json.loads(done.stdout.splitlines()[-1]))
     assert "sim.coupling.fluid_rigid" in modules
-    assert ({"sim.fluid.moving", "sim.rigid.prescribed", "sim.rigid.movement"} <= modules) == bool(motion)
-    assert bool(modules & {"sim.fluid.moving", "sim.rigid.prescribed", "sim.rigid.movement"}) == bool(motion)
+    assert ({"sim.fluid.moving", "sim.prescribed", "sim.movement"} <= modules) == bool(motion)
+    assert bool(modules & {"sim.fluid.moving", "sim.prescribed", "sim.movement"}) == bool(motion)
 
 
 def test_steps_land_on_keyframes(simulate):

@@ -33,10 +33,10 @@ def _lookup(shape, points: np.ndarray) -> np.ndarray:
     runtime.start(threads=2, arch="cpu")
     import taichi as ti
 
+    from sim.double import Quaternions, Vectors
     from sim.rigid.body import Body
     from sim.rigid.narrow_phase import Shapes, distance
     from sim.rigid.tables import shapes
-    from sim.rigid.types import Quaternions, Vectors
 
     @ti.kernel
     def look(kinds: ti.template(), count: ti.i32, points: Vectors, pack: Shapes, found: Quaternions):

@@ -13,8 +13,8 @@ ROOT = Path(__file__).resolve().parents[3]
 ALWAYS = {"__init__", "spec"}
 """What settings are read with."""
 DYNAMICS = {f"sim.rigid.{path.stem}" for path in (ROOT / "sim/rigid").glob("*.py") if path.stem not in ALWAYS} - {
-    "sim.rigid.prescribed",
-    "sim.rigid.movement",
+    "sim.prescribed",
+    "sim.movement",
 }
 DYNAMICS |= {"sim.coupling.floating", "sim.coupling.lightness", "sim.fluid.reaction", "sim.fluid.reaction_sums"}
 SCENE = {

@@ -1,4 +1,4 @@
-"""Types of the rigid bodies' arrays: always of double precision, as there are few bodies and contacts need it.
+"""Types of arrays that are always of double precision: of rigid bodies and of cloth, whose contacts need it.
 
 Constants in kernels have to be exact in single precision, and sums have to begin as one of these types: Taichi takes
 `0.0` for a number of single precision.

@@ -12,15 +12,28 @@ from __future__ import annotations
 import bisect
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim.events import TIME_TOLERANCE
 from sim.geometry.solids import rotation_matrix
-from sim.rigid.movement import Movement
-from sim.rigid.spec import RigidBody
+from sim.movement import Movement
+
+
+class Led(Protocol):
+    """What a scene says of something that it leads: keyframes, or velocities from `start` on."""
+
+    position: Sequence[float]
+    rotation: Sequence[Any]
+    velocity: Sequence[float]
+    angular_velocity: Sequence[float]
+    start: float | None
+    keyframes: Sequence[Any]
+    """Each with `at`, `position` and `rotation`."""
 
 
 @dataclass(frozen=True)
@@ -38,14 +51,14 @@ class _Piece:
 
 
 class Prescribed:
-    """The motion of one body with `motion: prescribed`.
+    """The motion of one body with `motion: prescribed`, or of the pinned points of a cloth.
 
     Velocities at the time of a keyframe are those after it.
     """
 
     obeys_forces = False
 
-    def __init__(self, body: RigidBody):
+    def __init__(self, body: Led):
         self._pieces = _between_keyframes(body) if body.keyframes else _constant(body)
         self._starts = [piece.start for piece in self._pieces]
         self.pivot = self._pieces[0].position
@@ -98,7 +111,7 @@ def _turned_box(arms: np.ndarray, angular_velocity: np.ndarray) -> tuple[np.ndar
     return (middles - half).min(axis=0), (middles + half).max(axis=0)
 
 
-def _constant(body: RigidBody) -> list[_Piece]:
+def _constant(body: Led) -> list[_Piece]:
     """At rest up to the start, then in steady motion."""
     place, turn = np.array(body.position), rotation_matrix(body.rotation)
     return [
@@ -107,7 +120,7 @@ def _constant(body: RigidBody) -> list[_Piece]:
     ]
 
 
-def _between_keyframes(body: RigidBody) -> list[_Piece]:
+def _between_keyframes(body: Led) -> list[_Piece]:
     """At rest up to the first keyframe, moving from each to the next, at rest from the last on."""
     rest = np.zeros(3)
     keys = body.keyframes

@@ -1,0 +1,356 @@
+"""What cloth touches: found by where its points come from and go, and kept from step to step with its forces.
+
+Given where points were and where an integrator takes them, `find` adds the pairs of a point and a triangle, or of two
+edges, that come nearer than their thickness on the way: the integrator has to keep those apart, and to ask again. When
+nothing is new, or it was asked often enough, `hold_back` lets points go only so far that nothing passes through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from sim.cloth import search, touch
+from sim.cloth.layout import Touches
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.search import Hits
+from sim.cloth.surfaces import Surface, Tree
+from sim.cloth.tables import incidence, integers, numbers, vectors
+from sim.double import vec3
+
+EARLY = 0.95
+"""Pairs count as touching when they come nearer than this share of their thickness."""
+LEAST = 0.25
+"""This share of the thickness, or of the distance at the start where that is less, is kept in any case."""
+NEAR = 1.2
+"""Contacts are forgotten from this many thicknesses on."""
+SHARE = 0.2
+"""Of what the thickness lacks, so much is made up for in a step."""
+ROOM = 8
+"""Hits of one point or edge that there is room for at first."""
+HALVINGS = 40
+"""Of the ways of points that would pass through something."""
+POINT, EDGE, PLANE = range(3)
+"""Kinds of pairs; planes are numbered from PLANE on."""
+
+
+@dataclass(frozen=True)
+class Wall:
+    """The half-space n.x < offset, and its friction."""
+
+    normal: np.ndarray
+    offset: float
+    slide: float
+    hold: float
+
+
+@dataclass
+class Known:
+    """Contacts: kind and four points, weights, normals, limits [m], and forces along and across [N]."""
+
+    key: np.ndarray
+    weight: np.ndarray
+    normal: np.ndarray
+    limit: np.ndarray
+    press: np.ndarray
+    grip: np.ndarray
+
+    @classmethod
+    def none(cls) -> Known:
+        return cls(
+            np.zeros((0, 5), np.int32), *(np.zeros((0, k)) for k in (4, 3)), *(np.zeros(0),) * 2, np.zeros((0, 3))
+        )
+
+    def take(self, rows: np.ndarray) -> Known:
+        return Known(*(values[rows] for values in vars(self).values()))
+
+    def joined(self, other: Known) -> Known:
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        whole = Known(*(np.concatenate(pair) for pair in pairs))
+        return whole.take(np.lexsort(whole.key.T[::-1]))
+
+
+class Collisions:
+    """All contacts of the cloth of a scene. `half`: half the thickness at points [m]; `slide` and `hold`: friction."""
+
+    def __init__(
+        self,
+        mesh: ClothMesh,
+        solids: Surface | None,
+        walls: list[Wall],
+        half: np.ndarray,
+        slide: np.ndarray,
+        hold: np.ndarray,
+    ):
+        self.mesh = mesh
+        self.walls = walls
+        self.half, self._slide, self._hold = half, slide, hold
+        self.known = Known.none()
+        self.narrow = np.zeros((0, 4), np.int32)
+        """Points of pairs that came too near in the last search."""
+        cloth = Surface.of(mesh.triangles)
+        places = mesh.placed
+        self._half = numbers(half)
+        self._own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
+        self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()
+        points, edges = integers(cloth.points), integers(cloth.edges.ravel())
+        self._searches = [
+            _Search(False, True, points, len(cloth.points), self._own[0]),
+            _Search(True, True, edges, len(cloth.edges), self._own[1]),
+        ]
+        if solids:
+            self._searches += [
+                _Search(False, False, points, len(cloth.points), self._solid[0]),
+                _Search(True, False, edges, len(cloth.edges), self._solid[1]),
+                _Search(False, False, integers(solids.points), len(solids.points), self._own[0]),
+            ]
+        self._points, self._number = points, integers(np.zeros(len(cloth.points)))
+        self._least = float(half[: mesh.count].min()) * 2
+        self._make_room(64)
+
+    @property
+    def count(self) -> int:
+        return len(self.known.key)
+
+    @property
+    def tolerance(self) -> float:
+        """How exactly contacts are kept [m]."""
+        return 0.01 * self._least
+
+    def begin(self, start: ti.Ndarray) -> None:
+        """Look again at contacts where points are now; those that have parted are forgotten."""
+        known = self.known
+        if not len(known.key):
+            self._upload()
+            return
+        apart, normal, weight = self._nearest(start)
+        thick = self._thickness(known.key)
+        keep = (apart < NEAR * thick) & (apart > 0)
+        lacking = np.maximum(thick - apart, 0.0)
+        known.limit = self._offset(known.key) + np.where(lacking > 0, apart + SHARE * lacking, thick)
+        known.normal, known.weight = normal, weight
+        self.known = known.take(np.flatnonzero(keep))
+        self._upload()
+
+    def find(self, start: ti.Ndarray, place: ti.Ndarray) -> int:
+        """Add what comes near on the way from `start` to `place` [m]; returns how many were not known."""
+        fresh = self._search(start, place)
+        if self.count and len(fresh.key):
+            fresh = fresh.take(np.flatnonzero(~_among(fresh.key, self.known.key)))
+        if len(fresh.key):
+            self._keep_forces()
+            self.known = self.known.joined(fresh)
+            self._upload()
+        return len(fresh.key)
+
+    def harden(self, dt: float, factor: float) -> None:
+        touch.harden(self.count, self.mesh.count, factor, dt, self.mesh.points.mass, self.mesh.stiff, self.touches)
+
+    def press_on(self) -> float:
+        """Renew the forces that friction counts; returns how far that may move contacts [m]."""
+        return touch.press_on(self.count, self.touches) if self.count else 0.0
+
+    def end(self) -> None:
+        """Keep forces for the next step."""
+        if self.count:
+            touch.learn(self.count, self.touches)
+        self._keep_forces()
+
+    def hold_back(self, start: ti.Ndarray, place: ti.Ndarray) -> tuple[int, int]:
+        """Shorten ways until nothing comes too near; returns how many points were held back, and how many pairs are
+        too near still: solids that move push them together."""
+        share = np.ones(self.mesh.total)
+        for _ in range(HALVINGS):
+            if not len(self.narrow):
+                break
+            corners = np.unique(self.narrow)
+            corners = corners[(corners >= 0) & (corners < self.mesh.count)]
+            corners = corners[~self.mesh.held[corners]]
+            if not (share[corners] > 1e-6).any():
+                break
+            factor = np.ones(self.mesh.total)
+            factor[corners] = 0.5
+            share *= factor
+            search.shorten(self.mesh.count, numbers(factor), start, place)
+            self._search(start, place)
+        return int((share < 1).sum()), len(self.narrow)
+
+    def _search(self, start: ti.Ndarray, place: ti.Ndarray) -> Known:
+        for tree in (*self._own, *self._solid):
+            tree.enclose(self._half, start, place)
+        found = [one.run(self._half, start, place) for one in self._searches]
+        self.narrow = np.concatenate([corners[narrow > 0] for corners, *_, narrow in found])
+        parts = [Known.none()]
+        for one, (corners, weight, normal, _) in zip(self._searches, found, strict=True):
+            if len(corners):
+                kind = np.full((len(corners), 1), EDGE if one.edges else POINT, np.int32)
+                parts.append(self._unknown(np.concatenate([kind, corners], axis=1), weight, normal))
+        for index, wall in enumerate(self.walls):
+            points = self._near_wall(wall, place)
+            key = np.full((len(points), 5), -1, np.int32)
+            key[:, 0], key[:, 1] = PLANE + index, points
+            normal = np.broadcast_to(wall.normal, (len(points), 3))
+            parts.append(self._unknown(key, np.eye(4)[np.zeros(len(points), int)], normal))
+        whole = parts[0]
+        for part in parts[1:]:
+            whole = whole.joined(part)
+        return whole
+
+    def _near_wall(self, wall: Wall, place: ti.Ndarray) -> np.ndarray:
+        number = len(self.half[: self.mesh.count])
+        search.find_near_plane(
+            number, EARLY, vec3(*wall.normal), wall.offset, self._points, self._half, place, self._number
+        )
+        return self._points.to_numpy()[np.flatnonzero(self._number.to_numpy())]
+
+    def _unknown(self, key: np.ndarray, weight: np.ndarray, normal: np.ndarray) -> Known:
+        n = len(key)
+        limit = self._offset(key) + self._thickness(key)
+        return Known(key, weight, np.array(normal), limit, np.zeros(n), np.zeros((n, 3)))
+
+    def _thickness(self, key: np.ndarray) -> np.ndarray:
+        """At which distance pairs touch [m]."""
+        other = np.where(key[:, 3] >= 0, self.half[key[:, 3]], 0.0)
+        return self.half[key[:, 1]] + other
+
+    def _offset(self, key: np.ndarray) -> np.ndarray:
+        """How far walls are from the origin [m]; 0 for pairs of points."""
+        offsets = np.array([0.0] * PLANE + [wall.offset for wall in self.walls])
+        return offsets[key[:, 0]]
+
+    def _friction(self, key: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = []
+        for at_points, of_walls in (
+            (self._slide, [wall.slide for wall in self.walls]),
+            (self._hold, [wall.hold for wall in self.walls]),
+        ):
+            walls = np.array([0.0] * PLANE + of_walls)
+            other = np.where(key[:, 3] >= 0, at_points[key[:, 3]], walls[key[:, 0]])
+            found.append(np.sqrt(at_points[key[:, 1]] * other))
+        return found[0], found[1]
+
+    def _nearest(self, place: ti.Ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distance [m], normal and weights of known contacts for places of points."""
+        known = self.known
+        apart, normal, weight = known.limit.copy(), known.normal.copy(), known.weight.copy()
+        pairs = np.flatnonzero(known.key[:, 0] < PLANE)
+        if len(pairs):
+            key = np.ascontiguousarray(known.key[pairs])
+            found = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 4))
+            search.look_again(len(pairs), key, place, *found)
+            apart[pairs], normal[pairs], weight[pairs] = found
+        planes = np.flatnonzero(known.key[:, 0] >= PLANE)
+        if len(planes):
+            points = place.to_numpy()[known.key[planes, 1]]
+            apart[planes] = (points * known.normal[planes]).sum(axis=1) - self._offset(known.key[planes])
+        return apart, normal, weight
+
+    def _keep_forces(self) -> None:
+        if self.count:
+            self.known.press = self.touches.press.to_numpy()[: self.count]
+            self.known.grip = self.touches.grip.to_numpy()[: self.count]
+
+    def _upload(self) -> None:
+        count, known = self.count, self.known
+        if count > self._room:
+            self._make_room(2 * count)
+        slide, hold = self._friction(known.key)
+        first, entry = incidence(known.key[:, 1:], self.mesh.count)
+        for name, values in (
+            ("touch_corner", known.key[:, 1:].ravel()),
+            ("touch_weight", known.weight),
+            ("touch_normal", known.normal),
+            ("law", np.column_stack([known.limit, slide, hold, known.press])),
+            ("press", known.press),
+            ("grip", known.grip),
+            ("first_touch", first),
+            ("of_touch", entry),
+        ):
+            array = self._arrays[name]
+            whole = np.zeros((array.shape[0], *np.shape(values)[1:]), np.asarray(values).dtype)
+            whole[: len(values)] = values
+            array.from_numpy(whole.astype(np.int32) if whole.dtype.kind == "i" else whole)
+
+    def _make_room(self, room: int) -> None:
+        self._room = room
+        three = np.zeros((room, 3))
+        self._arrays = {
+            "touch_corner": integers(np.zeros(4 * room)),
+            **{name: ti.Vector.ndarray(4, ti.f64, room) for name in ("touch_weight", "law")},
+            **{name: vectors(three) for name in ("touch_normal", "grip", "touch_force", "touch_block")},
+            **{name: vectors(three) for name in ("touch_slip", "touch_way")},
+            **{name: numbers(np.zeros(room)) for name in ("hard", "press")},
+            "first_touch": integers(np.zeros(self.mesh.count + 1)),
+            "of_touch": integers(np.zeros(4 * room)),
+        }
+        self.touches = Touches(**self._arrays)
+
+    @property
+    def bytes(self) -> int:
+        return 4 * self._room * 8 * 8 + sum(tree.bytes for tree in (*self._own, *self._solid))
+
+
+class _Search:
+    """Points against triangles, or edges against edges."""
+
+    def __init__(self, edges: bool, itself: bool, query: ti.Ndarray, number: int, tree: Tree):
+        self.edges, self.itself = edges, itself
+        self._query, self._queries, self._tree = query, number, tree
+        self._number = integers(np.zeros(number))
+        self._make_room(ROOM)
+
+    def _make_room(self, room: int) -> None:
+        self._room, slots = room, max(room * self._queries, 1)
+        self._hits = Hits(
+            corner=integers(np.zeros(4 * slots)),
+            weight=ti.Vector.ndarray(4, ti.f64, slots),
+            toward=vectors(np.zeros((slots, 3))),
+            apart=numbers(np.zeros(slots)),
+            when=numbers(np.zeros(slots)),
+            narrow=integers(np.zeros(slots)),
+        )
+
+    def run(self, half: ti.Ndarray, start: ti.Ndarray, place: ti.Ndarray) -> tuple[np.ndarray, ...]:
+        """Points, weights and normals of pairs that come near, and whether they come too near."""
+        while True:
+            search.find_near(
+                self.edges,
+                self.itself and self.edges,
+                self._queries,
+                self._room,
+                self._tree.leaves,
+                self._tree.number,
+                EARLY,
+                LEAST,
+                self._query,
+                self._tree.member,
+                self._tree.low,
+                self._tree.high,
+                half,
+                start,
+                place,
+                self._number,
+                self._hits,
+            )
+            number = self._number.to_numpy()[: self._queries]
+            if number.max(initial=0) <= self._room:
+                break
+            self._make_room(2 * int(number.max()))
+        total = int(number.sum())
+        corners, narrow = np.zeros((total, 4), np.int32), np.zeros(total, np.int32)
+        weight, normal = np.zeros((total, 4)), np.zeros((total, 3))
+        if total:
+            first = np.cumsum(number) - number
+            search.gather(
+                self._queries, self._room, integers(first), self._number, self._hits, corners, weight, normal, narrow
+            )
+        return corners, weight, normal, narrow
+
+
+def _among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Which rows of `keys` are rows of `others`."""
+    kind = np.dtype((np.void, keys.dtype.itemsize * keys.shape[1]))
+    one, other = (np.ascontiguousarray(rows).view(kind).ravel() for rows in (keys, others))
+    return np.isin(one, other)

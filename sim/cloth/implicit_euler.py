@@ -1,0 +1,182 @@
+"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method with conjugate gradients.
+
+It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.cloth import newton
+from sim.cloth.collision import Collisions
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.newton import AT_ONCE, ROWS, System, Trial
+from sim.cloth.spec import Cloth
+from sim.cloth.tables import matrices, numbers, vectors
+from sim.double import vec3
+
+HARDNESS = 10.0
+"""Stiffness with which contacts are looked for, over that of the cloth at their points."""
+PASSES = 3
+"""Times that the forces which friction counts are renewed in a solution, and one more."""
+ROUNDS = 12
+"""Of looking for contacts that the last solution made."""
+HALVINGS = 30
+"""Of a way that does not lead down: then it is rounding that is left."""
+ROUNDING = 1e-12
+"""Energies that differ by this share are the same."""
+
+
+class ImplicitEuler:
+    """Steps a cloth; held points go to where `place` has them."""
+
+    STATISTICS = (
+        "cloth_newton",
+        "cloth_iterations",
+        "cloth_capped",
+        "cloth_contacts",
+        "cloth_rounds",
+        "cloth_held_back",
+        "cloth_stuck",
+    )
+    """Newton's steps, iterations of conjugate gradients in all of them, and whether one of the two ended at its cap;
+    contacts, searches for them, points that could not go all their way, and pairs that solids push through."""
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
+        self.mesh = mesh
+        self.collisions = collisions
+        self.settings = settings.implicit_euler
+        self.gravity = vec3(*gravity)
+        n, s, h = mesh.count, mesh.springs, mesh.hinges
+        self.trial = Trial(
+            start=vectors(mesh.placed),
+            aim=vectors(mesh.placed),
+            base=vectors(mesh.placed),
+            place=mesh.place,
+            length_before=numbers(np.zeros(s)),
+            angle_before=numbers(np.zeros(h)),
+            face=mesh.air.face,
+            drag_across=mesh.air.across,
+            drag_along=mesh.air.along,
+        )
+        self._term_room = 0
+        self._tables = {
+            "spring_normal": vectors(np.zeros((s, 3))),
+            "spring_block": vectors(np.zeros((s, 3))),
+            "moment": numbers(np.zeros(h)),
+            "hinge_stiff": numbers(np.zeros(h)),
+            "slope": vectors(np.zeros((4 * h, 3))),
+            "slope_way": numbers(np.zeros(h)),
+            **{name: vectors(np.zeros((n, 3))) for name in ("residual", "scaled", "bent", "answer")},
+            # Solids do not give way.
+            "course": vectors(np.zeros((mesh.total, 3))),
+            "inverse": matrices(n),
+            "scalar": numbers(np.zeros(3)),
+        }
+
+    def limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them: none."""
+        return {}
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        mesh, trial, collisions = self.mesh, self.trial, self.collisions
+        newton.begin(
+            mesh.count,
+            mesh.total,
+            mesh.springs,
+            mesh.hinges,
+            dt,
+            self.gravity,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            trial,
+        )
+        collisions.begin(trial.start)
+        told = np.zeros(3, int)
+        for rounds in range(1, ROUNDS + 1):
+            collisions.harden(dt, HARDNESS)
+            self._make_room()
+            told += self._settle(dt)
+            if not collisions.find(trial.start, trial.place):
+                break
+        held_back, stuck = collisions.hold_back(trial.start, trial.place)
+        collisions.end()
+        newton.finish(mesh.total, dt, mesh.points, trial)
+        steps, iterations, capped = told.tolist()
+        values = (steps, iterations, int(capped > 0), collisions.count, rounds, held_back, stuck)
+        return dict(zip(self.STATISTICS, values, strict=True))
+
+    def _settle(self, dt: float) -> np.ndarray:
+        """Newton's method; returns steps, iterations, and whether a cap was met."""
+        energy = self._assess(dt)
+        iterations, capped, passes = 0, 0, 0
+        for step in range(1, self.settings.max_newton + 1):
+            made, ended = self._solve(dt)
+            iterations += made
+            capped |= not ended
+            energy, way = self._descend(dt, energy)
+            if way <= self.settings.velocity_error * dt:
+                passes += 1
+                if passes == PASSES or self.collisions.press_on() <= self.settings.velocity_error * dt:
+                    return np.array([step, iterations, capped])
+                energy = self._assess(dt)
+        return np.array([step, iterations, 1])
+
+    def _assess(self, dt: float) -> float:
+        mesh = self.mesh
+        return newton.assess(
+            mesh.air.present,
+            mesh.count,
+            mesh.springs,
+            mesh.hinges,
+            self.collisions.count,
+            dt,
+            mesh.air.wind,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            self.collisions.touches,
+            self.trial,
+            self.system,
+        )
+
+    def _solve(self, dt: float) -> tuple[int, bool]:
+        """Find the way from the places tried; returns iterations, and whether they ended before the cap."""
+        mesh = self.mesh
+        parts = (mesh.points, mesh.strands, mesh.angles, self.collisions.touches, self.trial, self.system)
+        first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *parts)
+        enough = first * self.settings.linear_error**2
+        for made in range(AT_ONCE, self.settings.max_iterations + AT_ONCE, AT_ONCE):
+            left = newton.iterate(mesh.air.present, mesh.count, mesh.hinges, self.collisions.count, dt, *parts)
+            if not left > enough:
+                return made, True
+        return made, False
+
+    def _descend(self, dt: float, energy: float) -> tuple[float, float]:
+        """Go so far that the energy falls; returns it, and the longest way of a point [m]."""
+        share = 1.0
+        for _ in range(HALVINGS):
+            way = newton.move(self.mesh.count, share, self.trial, self.system)
+            after = self._assess(dt)
+            if after <= energy + ROUNDING * abs(energy) or not math.isfinite(way):
+                return after, share * way
+            share /= 2
+        newton.move(self.mesh.count, 0.0, self.trial, self.system)
+        return self._assess(dt), 0.0
+
+    def _make_room(self) -> None:
+        """Let there be room for the sums over all contacts."""
+        mesh = self.mesh
+        needed = mesh.count + mesh.springs + mesh.hinges + self.collisions.count + ROWS
+        if needed > self._term_room:
+            self._term_room = needed + self.collisions.count
+            self.system = System(**self._tables, term=numbers(np.zeros(self._term_room)))
+
+    @property
+    def bytes(self) -> int:
+        n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
+        return 8 * (n * (3 * 8 + 9 + 1) + s * (3 + 3 + 2) + h * (12 + 5)) + self.collisions.bytes

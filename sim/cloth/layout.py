@@ -1,0 +1,53 @@
+"""How the arrays of a cloth are laid out for kernels."""
+
+import taichi as ti
+
+from sim.double import Integers, Numbers, Vectors, vec4
+
+Weights = ti.types.ndarray(dtype=vec4, ndim=1)
+
+Points = ti.types.argpack(position=Vectors, velocity=Vectors, mass=Numbers, mobile=Integers)
+"""Positions [m], velocities [m/s], masses [kg], and whether a point is free or goes where its pin leads it."""
+
+Strands = ti.types.argpack(
+    ends=Integers,
+    rest=Numbers,
+    stiff=Numbers,
+    damp=Numbers,
+    first_spring=Integers,
+    of_spring=Integers,
+)
+"""Springs: both ends, lengths at rest [m], stiffness [N/m], damping [N s/m]; and those of each point, as 2 spring + end
+from first_spring[i] to first_spring[i + 1]."""
+
+Angles = ti.types.argpack(
+    corners=Integers,
+    rest_angle=Numbers,
+    rigid=Numbers,
+    bend_damp=Numbers,
+    first_hinge=Integers,
+    of_hinge=Integers,
+)
+"""Hinges: four points, angles at rest [rad], rigidity [N m] and damping [N m s]; and those of each point, as 4 hinge +
+corner."""
+
+Touches = ti.types.argpack(
+    touch_corner=Integers,
+    touch_weight=Weights,
+    touch_normal=Vectors,
+    law=Weights,
+    hard=Numbers,
+    press=Numbers,
+    grip=Vectors,
+    touch_force=Vectors,
+    touch_block=Vectors,
+    touch_slip=Vectors,
+    touch_way=Vectors,
+    first_touch=Integers,
+    of_touch=Integers,
+)
+"""Contacts: four points, -1 where there is none, and their weights; the normal; how far along it the first side has to be
+from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal that
+they count of [N]; the stiffness with which it is
+looked for [N/m]; the force along the normal [N] and across [N] that is known of; the force now, its stiffness along the
+normal, across, and along the slip [N/m], and the direction of that; and those of each point, as 4 contact + corner."""

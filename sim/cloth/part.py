@@ -1,0 +1,177 @@
+"""The cloth of a world: all sheets, stepped together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim.cloth import load_integrator
+from sim.cloth.collision import Collisions, Known
+from sim.cloth.fabric import Fabric, weave
+from sim.cloth.measure import ClothMeasure, Meter
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.pins import Lead, find_pins
+from sim.cloth.place import put
+from sim.cloth.solids import Solids
+from sim.cloth.spec import Cloth, ClothSheet
+from sim.cloth.state import ClothState
+from sim.cloth.surfaces import Surface
+from sim.cloth.tables import integers, vectors
+from sim.settings import Refused
+
+ELSEWHERE = 1e-3
+"""A pin may not take points by more than this share of their sheet's size at once."""
+
+
+@dataclass(frozen=True)
+class PlacedSheet:
+    """A sheet as the scene places it."""
+
+    name: str
+    sheet: ClothSheet
+    fabric: Fabric
+    held: np.ndarray
+    leads: list[Lead]
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Box around it as placed and around where it is led [m], shape [2, 3]."""
+        places = [self.fabric.points, *(lead.motion.sweep(lead.placed) for lead in self.leads)]
+        return np.array(
+            [np.min([p.min(axis=0) for p in places], axis=0), np.max([p.max(axis=0) for p in places], axis=0)]
+        )
+
+
+def find_sheets(cloth: Cloth, folder: Path) -> list[PlacedSheet]:
+    """All sheets of a scene; raises Refused with the path in the scene."""
+    found = []
+    for name, sheet in cloth.sheets.items():
+        try:
+            fabric = weave(sheet, folder)
+            found.append(PlacedSheet(name, sheet, fabric, *find_pins(sheet, fabric)))
+        except Refused as refused:
+            raise refused.at("cloth", "sheets", name) from None
+    return found
+
+
+class ClothPart:
+    """Sheets that move; those in `state` go on from there, others begin as placed."""
+
+    def __init__(
+        self,
+        sheets: list[PlacedSheet],
+        gravity: np.ndarray,
+        settings: Cloth,
+        state: ClothState,
+        time: float,
+        solids: Solids | None = None,
+    ):
+        solids = solids or Solids.none()
+        self.sheets = sheets
+        self.settings = settings
+        starts = np.cumsum([0] + [len(item.fabric.points) for item in sheets])
+        self._rows = {item.name: slice(a, b) for item, a, b in zip(sheets, starts, starts[1:], strict=False)}
+        self._leads = [lead.shifted(start) for item, start in zip(sheets, starts, strict=False) for lead in item.leads]
+        position, velocity = (
+            np.concatenate(parts) for parts in zip(*(_begin(item, state) for item in sheets), strict=True)
+        )
+        self.mesh = ClothMesh(
+            [item.sheet for item in sheets],
+            [item.fabric for item in sheets],
+            position,
+            velocity,
+            np.concatenate([item.held for item in sheets]),
+            settings.air,
+            solids.points,
+        )
+        self.solids = solids
+        self.collisions = self._collisions()
+        if len(state.touch_key):
+            limit, press, grip = state.touch_force[:, 0], state.touch_force[:, 1], state.touch_force[:, 2:]
+            self.collisions.known = Known(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
+        self._refuse_jumps(position, time)
+        self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
+        self._meter = Meter(self.mesh, gravity)
+        self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
+        self._led = integers(np.concatenate([lead.points for lead in self._leads])) if self._leads else None
+
+    def _collisions(self) -> Collisions:
+        counts = [len(item.fabric.points) for item in self.sheets]
+        surfaces = [(item.sheet.thickness / 2, *item.sheet.grip) for item in self.sheets]
+        half, slide, hold = (np.repeat(values, counts) for values in zip(*surfaces, strict=True))
+        own = self.mesh.count
+        return Collisions(
+            self.mesh,
+            Surface.of(self.solids.triangles + own) if len(self.solids.triangles) else None,
+            self.solids.walls,
+            np.concatenate([half, np.zeros(len(self.solids.points))]),
+            np.concatenate([slide, self.solids.slide]),
+            np.concatenate([hold, self.solids.hold]),
+        )
+
+    def advance(self, dt: float, until: float, moved: np.ndarray | None = None) -> dict[str, float]:
+        """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
+        tells."""
+        if moved is not None:
+            put(len(moved), self._solid_rows, vectors(moved), self.mesh.place)
+        if self._leads:
+            aims = np.concatenate([lead.at(until) for lead in self._leads])
+            put(len(aims), self._led, vectors(aims), self.mesh.place)
+        self.mesh.air.update(self.mesh)
+        return self.integrator.advance(dt)
+
+    def measure(self) -> ClothMeasure:
+        return self._meter.read()
+
+    def step_limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them."""
+        return {"cloth step": self.settings.max_step} | self.integrator.limits()
+
+    def next_keyframe(self, time: float) -> float:
+        """The first time after `time` [s] at which the velocity of a pin jumps; infinite where none does."""
+        return min((lead.motion.next_keyframe(time) for lead in self._leads), default=np.inf)
+
+    def state(self) -> ClothState:
+        counts = {item.name: len(item.fabric.points) for item in self.sheets}
+        points = self.mesh.points
+        count, known = self.mesh.count, self.collisions.known
+        return ClothState(
+            counts,
+            points.position.to_numpy()[:count],
+            points.velocity.to_numpy()[:count],
+            known.key.copy(),
+            known.weight.copy(),
+            known.normal.copy(),
+            np.column_stack([known.limit, known.press, known.grip]),
+        )
+
+    def vertices(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and velocities [m/s] of one sheet's points, shape [n, 3]."""
+        return self.state().of(name)
+
+    @property
+    def bytes(self) -> int:
+        return self.mesh.bytes + self.integrator.bytes
+
+    def _refuse_jumps(self, position: np.ndarray, time: float) -> None:
+        for lead in self._leads:
+            name = next(name for name, rows in self._rows.items() if rows.start <= lead.points[0] < rows.stop)
+            size = np.ptp(self.mesh.placed[self._rows[name]], axis=0).max()
+            jump = float(np.linalg.norm(lead.at(time) - position[lead.points], axis=1).max())
+            if jump > ELSEWHERE * size:
+                raise Refused(
+                    f"a pin would take points {jump:.3g} m elsewhere at once at {time:g} s",
+                    location=("cloth", "sheets", name, "pins"),
+                    remedy="let its first keyframe have no offset, or give pins without keyframes",
+                )
+
+
+def _begin(item: PlacedSheet, state: ClothState) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and velocities [m/s] of a sheet's points."""
+    found = state.of(item.name)
+    if found is not None and len(found[0]) == len(item.fabric.points):
+        return found
+    velocity = np.where(item.held[:, None], 0.0, np.array(item.sheet.velocity))
+    return item.fabric.points, velocity

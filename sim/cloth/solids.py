@@ -1,0 +1,28 @@
+"""What is solid around a cloth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.cloth.collision import Wall
+
+
+@dataclass(frozen=True)
+class Solids:
+    """Surfaces of solids as one mesh, and walls."""
+
+    points: np.ndarray
+    """[m], shape [n, 3]."""
+    triangles: np.ndarray
+    """Shape [t, 3]."""
+    slide: np.ndarray
+    """Coefficients of friction at points while sliding, shape [n]."""
+    hold: np.ndarray
+    """At rest, shape [n]."""
+    walls: list[Wall]
+
+    @classmethod
+    def none(cls) -> Solids:
+        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), [])

@@ -1,0 +1,98 @@
+"""Symplectic Euler: the reference, explicit, in as many steps as stability asks for.
+
+A step has to stay below 2 / w_max (sqrt(1 + z^2) - z), w_max the highest angular frequency and z its damping ratio.
+By Gershgorin's theorem w_max^2 is at most the greatest sum of a row of the stiffness over its mass; for springs alone
+that is 2 sum k / m.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.cloth import explicit
+from sim.cloth.collision import Collisions
+from sim.cloth.mesh import ClothMesh, fold
+from sim.cloth.spec import Cloth
+from sim.cloth.tables import numbers, vectors
+from sim.double import vec3
+
+MOST_SUBSTEPS = 20_000
+"""Of a step: more would seem to hang."""
+
+
+class SymplecticEuler:
+    """Steps a cloth; held points go to where `place` has them, straight."""
+
+    STATISTICS = ("cloth_substeps",)
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
+        self.mesh = mesh
+        self.gravity = vec3(*gravity)
+        self.stable = settings.symplectic_euler.share * longest_step(mesh)
+        self._pull = vectors(np.zeros((mesh.springs, 3)))
+        self._moment, self._slope = numbers(np.zeros(mesh.hinges)), vectors(np.zeros((4 * mesh.hinges, 3)))
+
+    def limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them."""
+        return {"cloth stiffness": self.stable * MOST_SUBSTEPS}
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        substeps = max(1, math.ceil(dt / self.stable))
+        self.substep(dt / substeps, substeps)
+        return {"cloth_substeps": substeps}
+
+    def substep(self, dt: float, number: int = 1) -> None:
+        """So many steps of dt [s], however unstable."""
+        mesh = self.mesh
+        for step in range(number):
+            explicit.step(
+                mesh.air.present,
+                mesh.count,
+                mesh.springs,
+                mesh.hinges,
+                dt,
+                number - step,
+                self.gravity,
+                mesh.air.wind,
+                mesh.points,
+                mesh.strands,
+                mesh.angles,
+                mesh.place,
+                mesh.air.face,
+                mesh.air.across,
+                mesh.air.along,
+                self._pull,
+                self._moment,
+                self._slope,
+            )
+
+    @property
+    def bytes(self) -> int:
+        return 8 * (3 * self.mesh.springs + 13 * self.mesh.hinges)
+
+
+def longest_step(mesh: ClothMesh) -> float:
+    """The longest stable step [s]; infinite without stiffness or free points."""
+    stiff = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
+    damped = _row_sums(mesh, mesh.damping, mesh.bend_damping)
+    free = ~mesh.held & (stiff > 0)
+    if not free.any():
+        return math.inf
+    frequency = float(np.sqrt((stiff / mesh.mass)[free]).max())
+    # The damping ratio of a mode of that frequency.
+    ratio = float((damped / mesh.mass)[free].max()) / (2 * frequency)
+    return 2 / frequency * (math.sqrt(1 + ratio**2) - ratio)
+
+
+def _row_sums(mesh: ClothMesh, along: np.ndarray, bending: np.ndarray) -> np.ndarray:
+    """Sums of the rows of the matrix of springs and hinges, by magnitude, shape [points]."""
+    rows = np.bincount(mesh.ends.ravel(), weights=np.repeat(2 * along, 2), minlength=mesh.count)
+    if mesh.hinges:
+        _, slopes = fold(*(mesh.placed[mesh.corners[:, k]] for k in range(4)))
+        lengths = np.linalg.norm(np.stack(slopes), axis=2)
+        weights = bending * lengths * lengths.sum(axis=0)
+        rows += np.bincount(mesh.corners.T.ravel(), weights=weights.ravel(), minlength=mesh.count)
+    return rows

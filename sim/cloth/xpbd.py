@@ -1,0 +1,87 @@
+"""Extended position-based dynamics in small steps (Macklin, Mueller and Chentanez 2016; Macklin et al. 2019).
+
+Springs and hinges are constraints with the compliance 1 / k: their multipliers begin at zero in each substep, or
+stiffness would depend on the number of sweeps. Constraints without a common point have one colour and are solved side
+by side.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.cloth import position_based
+from sim.cloth.collision import Collisions
+from sim.cloth.coloring import colored
+from sim.cloth.layout import Angles, Strands
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.spec import Cloth
+from sim.cloth.tables import angle_arrays, numbers, strand_arrays, vectors
+from sim.double import vec3
+
+
+class XPBD:
+    """Steps a cloth; held points go to where `place` has them, straight."""
+
+    STATISTICS = ("cloth_substeps",)
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
+        self.mesh = mesh
+        self.settings = settings.xpbd
+        self.gravity = vec3(*gravity)
+        self._before = vectors(np.zeros((mesh.count, 3)))
+        self._pull, self._moment = numbers(np.zeros(mesh.springs)), numbers(np.zeros(mesh.hinges))
+        order, self._spring_colors = colored(mesh.ends, mesh.count)
+        self._strands: Strands = strand_arrays(
+            mesh.ends[order], mesh.rest[order], mesh.stiffness[order], mesh.damping[order], mesh.count
+        )
+        order, self._hinge_colors = colored(mesh.corners, mesh.count)
+        self._angles: Angles = angle_arrays(
+            mesh.corners[order],
+            mesh.rest_angle[order],
+            mesh.rigidity[order],
+            mesh.bend_damping[order],
+            mesh.count,
+        )
+
+    def limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them: none."""
+        return {}
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        number = self.settings.substeps
+        for step in range(number):
+            self._substep(dt / number, number - step)
+        return {"cloth_substeps": number}
+
+    def _substep(self, dt: float, left: int) -> None:
+        mesh = self.mesh
+        position_based.foresee(
+            mesh.air.present,
+            mesh.count,
+            mesh.springs,
+            mesh.hinges,
+            dt,
+            left,
+            self.gravity,
+            mesh.air.wind,
+            mesh.points,
+            mesh.place,
+            mesh.air.face,
+            mesh.air.across,
+            mesh.air.along,
+            self._before,
+            self._pull,
+            self._moment,
+        )
+        for _ in range(self.settings.iterations):
+            for first, last in self._spring_colors:
+                position_based.project_springs(first, last, dt, mesh.points, self._strands, self._before, self._pull)
+            for first, last in self._hinge_colors:
+                position_based.project_hinges(first, last, dt, mesh.points, self._angles, self._before, self._moment)
+        position_based.finish(mesh.count, dt, mesh.points, self._before)
+
+    @property
+    def bytes(self) -> int:
+        mesh = self.mesh
+        return 8 * (3 * mesh.count + 6 * mesh.springs + 8 * mesh.hinges)

@@ -1,0 +1,71 @@
+"""Nothing passes through cloth, by a checker of its own (`tests.passing`)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.bodies import box
+from tests.cloths import passages, scene, sheet
+
+FLOOR = {"floor": {"shape": {"type": "plane"}}}
+STILL = {"motion": "static"}
+
+
+def test_a_cloth_that_falls_on_a_ball():
+    world = scene(
+        {"cloth": sheet((1.0, 1.0), spacing=0.05, position=[0, 0.75, 0], thickness=0.01)},
+        FLOOR | {"ball": {"shape": {"type": "sphere", "radius": 0.25}, "position": [0, 0.45, 0]}},
+    )
+    assert passages(world, 0.6, 0.005) == 0
+    lowest = world.cloth.vertices("cloth")[0][:, 1].min()
+    assert 0.004 < lowest < 0.4
+
+
+def test_a_cloth_that_falls_on_the_edge_of_a_box():
+    edge = box((0.4, 0.4, 1.4), position=[0, 0.5, 0], rotation=[{"axis": [0, 0, 1], "angle": 45}]) | STILL
+    world = scene(
+        {"cloth": sheet((1.0, 1.0), spacing=0.05, position=[0, 0.82, 0], thickness=0.01)}, FLOOR | {"box": edge}
+    )
+    assert passages(world, 0.6, 0.005) == 0
+    assert np.abs(world.cloth.vertices("cloth")[0][:, 0].mean()) < 0.05
+
+
+def test_a_ball_that_is_shot_at_a_cloth():
+    """1 cm across at 50 m/s: further in a step than it is thick."""
+    ball = {"shape": {"type": "sphere", "radius": 0.005}, "motion": "prescribed", "position": [0.013, 0.3, 0.017],
+            "velocity": [0, -50, 0]}  # fmt: skip
+    world = scene(
+        {"cloth": sheet((0.3, 0.3), spacing=0.02, thickness=0.004, pins=["corners"], stretch_stiffness=1e4)},
+        {"ball": ball},
+    )
+    assert passages(world, 0.0085, 0.0005) == 0
+    assert world.cloth.vertices("cloth")[0][:, 1].min() < -0.1
+
+
+def test_two_cloths_between_closing_plates():
+    plate = {"shape": {"type": "box", "size": [0.5, 0.05, 0.5]}, "motion": "prescribed"}
+    closing = {
+        "low": plate | {"keyframes": [{"at": 0, "position": [0, -0.08, 0]}, {"at": 0.4, "position": [0, -0.035, 0]}]},
+        "high": plate | {"keyframes": [{"at": 0, "position": [0, 0.08, 0]}, {"at": 0.4, "position": [0, 0.035, 0]}]},
+    }
+    cloth = sheet((0.4, 0.4), spacing=0.04, thickness=0.006)
+    turned = [{"axis": [0, 1, 0], "angle": 30}]
+    world = scene(
+        {"one": cloth | {"position": [0, -0.02, 0]}, "two": cloth | {"position": [0, 0.02, 0], "rotation": turned}},
+        closing,
+    )
+    assert passages(world, 0.5, 0.005) == 0
+    heights = [world.cloth.vertices(name)[0][:, 1] for name in ("one", "two")]
+    assert heights[0].mean() < heights[1].mean()
+    assert max(np.abs(np.concatenate(heights))) < 0.01
+
+
+@pytest.mark.slow
+def test_a_ribbon_that_is_twisted_ten_times():
+    world = scene(
+        {"ribbon": sheet((0.6, 0.06), spacing=0.01, thickness=0.003,
+                         pins=["left", {"at": "right", "angular_velocity": [62.83, 0, 0]}])},
+        {"far": {"shape": {"type": "sphere", "radius": 0.01}, "position": [0, -1, 0]}},
+    )  # fmt: skip
+    assert passages(world, 1.0, 0.002) == 0
