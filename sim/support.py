@@ -40,6 +40,8 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         if group == "containers" and not isinstance(body, BoxContainer) and not held:
             message = "a mesh container without fluid or dynamic bodies holds nothing"
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
+    if spec.cloth is not None:
+        _refuse_meetings(spec)
     for name, probe in spec.probes.items():
         if probe.type == "vertex":
             _refuse_sheetless(spec, name, probe.sheet)
@@ -94,6 +96,19 @@ def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> 
 def _path(body: RigidBody) -> tuple[Any, ...]:
     shape = (body.shape, body.position, body.rotation, body.scale)
     return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
+
+
+def _refuse_meetings(spec: SimulationSpec) -> None:
+    """What cloth does not meet yet."""
+    if spec.fluid is not None:
+        raise Refused("cloth and fluid do not meet yet", location=("cloth",), remedy="remove the cloth or the fluid")
+    for name, body in (spec.rigid.bodies if spec.rigid else {}).items():
+        if body.motion == "dynamic":
+            remedy = "use motion: static or prescribed, or remove the cloth"
+            raise Refused("cloth does not move bodies yet", location=("rigid", "bodies", name, "motion"), remedy=remedy)
+    if (spec.rigid or spec.containers) and spec.cloth.integrator != "implicit_euler":
+        message = f"cloth meets solids with implicit_euler only, not with {spec.cloth.integrator} yet"
+        raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 
 def _refuse_sheetless(spec: SimulationSpec, name: str, sheet: str) -> None:

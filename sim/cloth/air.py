@@ -1,8 +1,8 @@
 """Air that drags on cloth: on each point as on a flat piece of the cloth's area around it.
 
 Across, force = density/2 drag A |v_n| v_n, v_n the speed along the normal relative to the wind; along, the same with
-the skin friction and the rest of the velocity. Both are linear in the velocity at the end of the step, with |v| from its
-begin, so that no step is too long for them.
+the skin friction and the rest of the velocity. Both are linear in the velocity at the end of the step, with |v| from
+its begin, so that no step is too long for them.
 """
 
 import taichi as ti

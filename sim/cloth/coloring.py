@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 
@@ -28,4 +30,4 @@ def colored(members: np.ndarray, count: int) -> tuple[np.ndarray, list[tuple[int
         current += 1
     order = np.argsort(color, kind="stable")
     starts = np.searchsorted(color[order], np.arange(current + 1))
-    return order, [(int(a), int(b)) for a, b in zip(starts, starts[1:], strict=False)]
+    return order, [(int(a), int(b)) for a, b in itertools.pairwise(starts)]

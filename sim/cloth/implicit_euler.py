@@ -1,4 +1,4 @@
-"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method with conjugate gradients.
+"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method.
 
 It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
 """
@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import taichi as ti
 
-from sim.cloth import newton
+from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.newton import AT_ONCE, ROWS, System, Trial
+from sim.cloth.conjugate_gradients import AT_ONCE
+from sim.cloth.newton import ROWS, System, Trial
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import matrices, numbers, vectors
 from sim.double import vec3
@@ -23,6 +25,8 @@ PASSES = 3
 """Times that the forces which friction counts are renewed in a solution, and one more."""
 ROUNDS = 12
 """Of looking for contacts that the last solution made."""
+ALONE = 4000
+"""Cloths of fewer points are solved by one thread."""
 HALVINGS = 30
 """Of a way that does not lead down: then it is rounding that is left."""
 ROUNDING = 1e-12
@@ -97,7 +101,9 @@ class ImplicitEuler:
         )
         collisions.begin(trial.start)
         told = np.zeros(3, int)
-        for rounds in range(1, ROUNDS + 1):
+        rounds = 0
+        while rounds < ROUNDS:
+            rounds += 1
             collisions.harden(dt, HARDNESS)
             self._make_room()
             told += self._settle(dt)
@@ -150,8 +156,14 @@ class ImplicitEuler:
         parts = (mesh.points, mesh.strands, mesh.angles, self.collisions.touches, self.trial, self.system)
         first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *parts)
         enough = first * self.settings.linear_error**2
-        for made in range(AT_ONCE, self.settings.max_iterations + AT_ONCE, AT_ONCE):
-            left = newton.iterate(mesh.air.present, mesh.count, mesh.hinges, self.collisions.count, dt, *parts)
+        most, touches = self.settings.max_iterations, self.collisions.count
+        if mesh.count < ALONE and ti.cfg.arch == ti.cpu:
+            made = conjugate_gradients.solve_alone(
+                mesh.air.present, mesh.count, mesh.hinges, touches, most, enough, dt, *parts
+            )
+            return made, made <= most
+        for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
+            left = conjugate_gradients.iterate(mesh.air.present, mesh.count, mesh.hinges, touches, dt, *parts)
             if not left > enough:
                 return made, True
         return made, False

@@ -46,8 +46,8 @@ Touches = ti.types.argpack(
     first_touch=Integers,
     of_touch=Integers,
 )
-"""Contacts: four points, -1 where there is none, and their weights; the normal; how far along it the first side has to be
-from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal that
-they count of [N]; the stiffness with which it is
-looked for [N/m]; the force along the normal [N] and across [N] that is known of; the force now, its stiffness along the
-normal, across, and along the slip [N/m], and the direction of that; and those of each point, as 4 contact + corner."""
+"""Contacts: four points, -1 where there is none, and their weights; the normal; how far along it the first side has to
+be from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal
+that they count of [N]; the stiffness with which contacts are looked for [N/m]; the force along the normal [N] and
+across [N] that is known of; the force now, its stiffness along the normal, across, and along the slip [N/m], and the
+direction of that; what it yields; and those of each point, as 4 contact + corner."""

@@ -1,4 +1,4 @@
-"""The equations of a step of implicit Euler, and conjugate gradients for them.
+"""The equations of a step of implicit Euler.
 
 The new positions minimise the energy
 
@@ -14,13 +14,11 @@ import taichi as ti
 from sim.cloth.hinges import fold, turned
 from sim.cloth.layout import Angles, Points, Strands, Touches
 from sim.cloth.springs import block, line
-from sim.cloth.touch import carried, touch_energy, yielding
+from sim.cloth.touch import touch_energy
 from sim.double import Matrices, Numbers, Vectors, mat3, vec3
 
 ROWS = 256
 """Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
-AT_ONCE = 4
-"""Iterations of conjugate gradients in one launch."""
 BEFORE, NOW, BEND = range(3)
 """Scalars of conjugate gradients: r.z of the iteration before and of this one, and p.Ap."""
 
@@ -59,7 +57,7 @@ slopes of each [1/m]. Points: what conjugate gradients need. Terms and scalars o
 
 
 @ti.func
-def _drag(t: ti.template(), i: ti.i32, velocity: vec3) -> vec3:
+def drag(t: ti.template(), i: ti.i32, velocity: vec3) -> vec3:
     """What air takes [N] at a velocity relative to it."""
     n = t.face[i]
     return t.drag_along[i] * velocity + (t.drag_across[i] - t.drag_along[i]) * n.dot(velocity) * n
@@ -94,7 +92,7 @@ def begin(
             t.aim[i] = x + dt * (p.velocity[i] + dt * gravity)
             t.place[i] = x + dt * p.velocity[i]
     for k in range(springs):
-        along, length = line(p.position[s.ends[2 * k]], p.position[s.ends[2 * k + 1]])
+        _along, length = line(p.position[s.ends[2 * k]], p.position[s.ends[2 * k + 1]])
         t.length_before[k] = length
     for k in range(hinges):
         t.angle_before[k] = _hinge(k, a, p.position).angle
@@ -143,7 +141,7 @@ def assess(
             energy = 0.5 * p.mass[i] / (dt * dt) * (t.place[i] - t.aim[i]).norm_sqr()
             if ti.static(airy):
                 past = (t.place[i] - t.start[i]) / dt - wind
-                energy += 0.5 * dt * past.dot(_drag(t, i, past))
+                energy += 0.5 * dt * past.dot(drag(t, i, past))
         e.term[i] = energy
     count = points + springs + hinges + touches
     for row in range(ROWS):
@@ -198,7 +196,7 @@ def linearize(
                 diagonal += w * w * (b[2] - b[1]) * slip.outer_product(slip)
             if ti.static(airy):
                 n = t.face[i]
-                r -= _drag(t, i, (t.place[i] - t.start[i]) / dt - wind)
+                r -= drag(t, i, (t.place[i] - t.start[i]) / dt - wind)
                 diagonal += t.drag_along[i] / dt * unit
                 diagonal += (t.drag_across[i] - t.drag_along[i]) / dt * n.outer_product(n)
             e.inverse[i] = diagonal.inverse()
@@ -221,93 +219,6 @@ def linearize(
         for row in range(ROWS):
             total += e.term[points + row]
         e.scalar[NOW] = total
-    return e.scalar[NOW]
-
-
-@ti.kernel
-def iterate(
-    airy: ti.template(),
-    points: ti.i32,
-    hinges: ti.i32,
-    touches: ti.i32,
-    dt: ti.f64,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    touch: Touches,
-    t: Trial,
-    e: System,
-) -> ti.f64:
-    """AT_ONCE iterations of conjugate gradients; returns r.z."""
-    for _again in ti.static(range(AT_ONCE)):
-        for k in range(hinges):
-            total = ti.cast(0.0, ti.f64)
-            for corner in ti.static(range(4)):
-                total += e.slope[4 * k + corner].dot(e.course[a.corners[4 * k + corner]])
-            e.slope_way[k] = e.hinge_stiff[k] * total
-        for c in range(touches):
-            touch.touch_way[c] = yielding(c, touch, carried(c, touch, e.course))
-        for i in range(points):
-            q = vec3(0.0, 0.0, 0.0)
-            if p.mobile[i]:
-                way = e.course[i]
-                q = p.mass[i] / (dt * dt) * way
-                for entry in range(s.first_spring[i], s.first_spring[i + 1]):
-                    k, end = s.of_spring[entry] // 2, s.of_spring[entry] % 2
-                    n, b = e.spring_normal[k], e.spring_block[k]
-                    apart = way - e.course[s.ends[2 * k + 1 - end]]
-                    q += b[1] * apart + (b[0] - b[1]) * n.dot(apart) * n
-                for entry in range(a.first_hinge[i], a.first_hinge[i + 1]):
-                    q += e.slope_way[a.of_hinge[entry] // 4] * e.slope[a.of_hinge[entry]]
-                for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
-                    c = touch.of_touch[entry] // 4
-                    q += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
-                if ti.static(airy):
-                    q += _drag(t, i, way / dt)
-            e.bent[i] = q
-            e.term[i] = q.dot(e.course[i])
-        for row in range(ROWS):
-            size = (points + ROWS - 1) // ROWS
-            total = ti.cast(0.0, ti.f64)
-            for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-                total += e.term[i]
-            e.term[points + row] = total
-        ti.loop_config(serialize=True)
-        for _once in range(1):
-            total = ti.cast(0.0, ti.f64)
-            for row in range(ROWS):
-                total += e.term[points + row]
-            e.scalar[BEND] = total
-        for i in range(points):
-            share = ti.cast(0.0, ti.f64)
-            if e.scalar[BEND] > 0.0:
-                share = e.scalar[NOW] / e.scalar[BEND]
-            e.answer[i] += share * e.course[i]
-            r = e.residual[i] - share * e.bent[i]
-            z = vec3(0.0, 0.0, 0.0)
-            if p.mobile[i]:
-                z = e.inverse[i] @ r
-            e.residual[i] = r
-            e.scaled[i] = z
-            e.term[i] = r.dot(z)
-        for row in range(ROWS):
-            size = (points + ROWS - 1) // ROWS
-            total = ti.cast(0.0, ti.f64)
-            for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-                total += e.term[i]
-            e.term[points + row] = total
-        ti.loop_config(serialize=True)
-        for _once in range(1):
-            total = ti.cast(0.0, ti.f64)
-            for row in range(ROWS):
-                total += e.term[points + row]
-            e.scalar[BEFORE] = e.scalar[NOW]
-            e.scalar[NOW] = total
-        for i in range(points):
-            go_on = ti.cast(0.0, ti.f64)
-            if e.scalar[BEFORE] > 0.0:
-                go_on = e.scalar[NOW] / e.scalar[BEFORE]
-            e.course[i] = e.scaled[i] + go_on * e.course[i]
     return e.scalar[NOW]
 
 

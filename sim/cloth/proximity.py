@@ -5,7 +5,7 @@ import taichi as ti
 from sim.double import vec3, vec4
 
 Nearest = ti.types.struct(weight=vec4, apart=vec3)
-"""Weights of the four points, positive for the point or the first edge; and the way from the other side to there [m]."""
+"""Weights of the four points, positive for the point or the first edge; and the way there from the other side [m]."""
 
 
 @ti.func

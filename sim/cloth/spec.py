@@ -131,7 +131,7 @@ class Air(Settings):
 class ImplicitEuler(Settings):
     """Newton's method and conjugate gradients."""
 
-    velocity_error: PositiveSpeed = 1e-3
+    velocity_error: PositiveSpeed = 0.01
     """Newton's method ends when no velocity changes by more than this [m/s]."""
     max_newton: Annotated[int, Ge(1), Le(1000)] = 20
     linear_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 1e-2

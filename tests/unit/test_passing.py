@@ -30,7 +30,7 @@ def test_what_comes_near_or_passes_beside_is_not():
     assert passed(*_moved([0, -0.49, 0]), TRIANGLES) == 0
     assert passed(*_moved([1.5, 0, 0]), TRIANGLES) == 0
     before, _ = _moved([0, 0, 0])
-    assert passed(before + [2, 0, 0], before + [2, -3, 0], TRIANGLES) == 0
+    assert passed(before + np.array([2, 0, 0]), before + np.array([2, -3, 0]), TRIANGLES) == 0
 
 
 def test_pairs_without_cloth_do_not_count():

@@ -29,8 +29,9 @@ def test_free_fall_is_exact(integrator):
 def test_a_taut_rope_has_the_pitch_of_its_masses(integrator, mode):
     """w_n = 2 sqrt(T / (m a)) sin(n pi / (2 (N + 1))), N masses m at distances a under the tension T."""
     cells, stiffness, weight, slack = 20, 1000.0, 0.2, 0.9
-    made = part({"rope": rope(1.0, cells, pins=["left", "right"], rest_scale=slack, damping=0, mass_per_area=weight,
-                              stretch_stiffness=stiffness)}, gravity=(0, 0, 0), integrator=integrator, **EXACT)  # fmt: skip
+    string = rope(1.0, cells, pins=["left", "right"], rest_scale=slack, damping=0, mass_per_area=weight,
+                  stretch_stiffness=stiffness)  # fmt: skip
+    made = part({"rope": string}, gravity=(0, 0, 0), integrator=integrator, **EXACT)
     a = 1.0 / cells
     # Each rope stands for half of the strip's width.
     tension, mass = stiffness * a / 2 * (1 - slack), weight * a * a / 2
@@ -131,8 +132,8 @@ def test_explicit_steps_blow_up_where_the_formula_says():
     cells, stiffness, weight = 40, 1000.0, 0.2
     made = {}
     for share in (0.99, 1.01):
-        made[share] = part({"rope": rope(1.0, cells, pins=["left", "right"], damping=0, stretch_stiffness=stiffness,
-                                         mass_per_area=weight)}, gravity=(0, 0, 0), integrator="symplectic_euler")  # fmt: skip
+        chain = rope(1.0, cells, pins=["left", "right"], damping=0, stretch_stiffness=stiffness, mass_per_area=weight)
+        made[share] = part({"rope": chain}, gravity=(0, 0, 0), integrator="symplectic_euler")
         a = 1.0 / cells
         k, m = stiffness / 2, weight * a * a / 2
         limit = 2 / np.sqrt(4 * k / m) / np.sin(np.pi * (cells - 1) / (2 * cells))

@@ -56,8 +56,8 @@ EVENTS = {
     "cloth": (
         "- {at: 0.1, add: {cloth: {b: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}}",
         "- {",
-        "events.0.add.cloth.b",
-        "not simulated yet",
+        "events.0",
+        "cloth and fluid do not meet yet",
     ),
     "no room": (
         "- {at: 0.1, add: {fluid: {b: {shape: {type: sphere, radius: 0.1}, position: [9, 9, 9]}}}}",

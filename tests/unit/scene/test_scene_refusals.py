@@ -165,10 +165,10 @@ ADDED = {
     "cloth": (
         "cloth: {sheets: {flag: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}",
         "cloth",
-        "cloth is not simulated yet",
+        "cloth and fluid do not meet yet",
         "remove",
     ),
-    "probe of a vertex": ("probes: {p: {type: vertex, sheet: ball, vertex: 3}}", "probes.p", "not simulated yet"),
+    "probe of a vertex": ("probes: {p: {type: vertex, sheet: ball, vertex: 3}}", "probes.p.sheet", "'ball' is no sheet of cloth"),
     "probe of no body": ("probes: {p: {type: force, body: bal}}", "probes.p.body", "did you mean 'ball'?"),
     "probe of the fluid": ("probes: {p: {type: force, body: drop}}", "probes.p.body", "no rigid body with a surface"),
     "unknown probe": ("probes: {p: {type: forc, body: ball}}", "probes.p", "did you mean 'force'?"),
