@@ -12,8 +12,8 @@ import taichi as ti
 
 from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
-from sim.cloth.mesh import ClothMesh
 from sim.cloth.conjugate_gradients import AT_ONCE
+from sim.cloth.mesh import ClothMesh
 from sim.cloth.newton import ROWS, System, Trial
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import matrices, numbers, vectors

@@ -8,42 +8,17 @@ from sim.cloth.layout import Angles, Points, Strands
 from sim.cloth.springs import line
 from sim.double import Numbers, Vectors, vec3
 
-
-@ti.kernel
-def foresee(
-    airy: ti.template(),
-    points: ti.i32,
-    springs: ti.i32,
-    hinges: ti.i32,
-    dt: ti.f64,
-    left: ti.i32,
-    gravity: vec3,
-    wind: vec3,
-    p: Points,
-    place: Vectors,
-    face: Vectors,
-    drag_across: Numbers,
-    drag_along: Numbers,
-    before: Vectors,
-    pull: Numbers,
-    moment: Numbers,
-):
-    """Where points would go without springs; `left`: substeps to the time at which held points are in `place`."""
-    for i in range(points):
-        x = p.position[i]
-        before[i] = x
-        if p.mobile[i]:
-            v = p.velocity[i] + dt * gravity
-            if ti.static(airy):
-                momentum, held_back = braked(p.mass[i], dt, p.mass[i] * v, wind, face[i], drag_across[i], drag_along[i])
-                v = held_back @ momentum
-            p.position[i] = x + dt * v
-        else:
-            p.position[i] = x + (place[i] - x) / ti.cast(left, ti.f64)
-    for k in range(springs):
-        pull[k] = 0.0
-    for k in range(hinges):
-        moment[k] = 0.0
+Guess = ti.types.argpack(
+    aims=Vectors,
+    air_face=Vectors,
+    air_across=Numbers,
+    air_along=Numbers,
+    before=Vectors,
+    pulled=Numbers,
+    bent=Numbers,
+)
+"""Where held points are to be [m]; the cloth's normals, and drag across and along it [kg/s]; places before the substep
+[m], and multipliers of springs and hinges."""
 
 
 @ti.func
@@ -62,39 +37,130 @@ def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64
     return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * mobility + soft)
 
 
-@ti.kernel
-def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, before: Vectors, pull: Numbers):
-    for k in range(first, last):
-        one, other = s.ends[2 * k], s.ends[2 * k + 1]
-        along, length = line(p.position[one], p.position[other])
-        a, b = _mobility(p, one), _mobility(p, other)
-        since = along.dot((p.position[one] - before[one]) - (p.position[other] - before[other]))
-        change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], pull[k], a + b)
-        pull[k] += change
-        p.position[one] += a * change * along
-        p.position[other] -= b * change * along
+@ti.func
+def _foresee(
+    airy: ti.template(),
+    i: ti.i32,
+    dt: ti.f64,
+    left: ti.i32,
+    gravity: vec3,
+    wind: vec3,
+    p: ti.template(),
+    g: ti.template(),
+):
+    """Where a point would go without springs; `left`: substeps to the time at which held points are at their aims."""
+    x = p.position[i]
+    g.before[i] = x
+    if p.mobile[i]:
+        v = p.velocity[i] + dt * gravity
+        if ti.static(airy):
+            momentum, held_back = braked(
+                p.mass[i], dt, p.mass[i] * v, wind, g.air_face[i], g.air_across[i], g.air_along[i]
+            )
+            v = held_back @ momentum
+        p.position[i] = x + dt * v
+    else:
+        p.position[i] = x + (g.aims[i] - x) / ti.cast(left, ti.f64)
+
+
+@ti.func
+def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g: ti.template()):
+    one, other = s.ends[2 * k], s.ends[2 * k + 1]
+    along, length = line(p.position[one], p.position[other])
+    a, b = _mobility(p, one), _mobility(p, other)
+    since = along.dot((p.position[one] - g.before[one]) - (p.position[other] - g.before[other]))
+    change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], g.pulled[k], a + b)
+    g.pulled[k] += change
+    p.position[one] += a * change * along
+    p.position[other] -= b * change * along
+
+
+@ti.func
+def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g: ti.template()):
+    i, j, m, n = a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]
+    hinge = fold(p.position[i], p.position[j], p.position[m], p.position[n])
+    wi, wj, wm, wn = _mobility(p, i), _mobility(p, j), _mobility(p, m), _mobility(p, n)
+    mobility = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
+    mobility += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
+    since = hinge.p.dot(p.position[i] - g.before[i]) + hinge.q.dot(p.position[j] - g.before[j])
+    since += hinge.r.dot(p.position[m] - g.before[m]) + hinge.s.dot(p.position[n] - g.before[n])
+    over = turned(hinge.angle, a.rest_angle[k])
+    change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], mobility)
+    g.bent[k] += change
+    p.position[i] += wi * change * hinge.p
+    p.position[j] += wj * change * hinge.q
+    p.position[m] += wm * change * hinge.r
+    p.position[n] += wn * change * hinge.s
 
 
 @ti.kernel
-def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, before: Vectors, moment: Numbers):
-    for k in range(first, last):
-        i, j, m, n = a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]
-        hinge = fold(p.position[i], p.position[j], p.position[m], p.position[n])
-        wi, wj, wm, wn = _mobility(p, i), _mobility(p, j), _mobility(p, m), _mobility(p, n)
-        mobility = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
-        mobility += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
-        since = hinge.p.dot(p.position[i] - before[i]) + hinge.q.dot(p.position[j] - before[j])
-        since += hinge.r.dot(p.position[m] - before[m]) + hinge.s.dot(p.position[n] - before[n])
-        over = turned(hinge.angle, a.rest_angle[k])
-        change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], moment[k], mobility)
-        moment[k] += change
-        p.position[i] += wi * change * hinge.p
-        p.position[j] += wj * change * hinge.q
-        p.position[m] += wm * change * hinge.r
-        p.position[n] += wn * change * hinge.s
+def substeps_alone(
+    airy: ti.template(),
+    number: ti.i32,
+    sweeps: ti.i32,
+    points: ti.i32,
+    springs: ti.i32,
+    hinges: ti.i32,
+    dt: ti.f64,
+    gravity: vec3,
+    wind: vec3,
+    p: Points,
+    s: Strands,
+    a: Angles,
+    g: Guess,
+):
+    """All substeps of a step, on one thread."""
+    ti.loop_config(serialize=True)
+    for now in range(number):
+        for i in range(points):
+            _foresee(airy, i, dt, number - now, gravity, wind, p, g)
+        for k in range(springs):
+            g.pulled[k] = 0.0
+        for k in range(hinges):
+            g.bent[k] = 0.0
+        for _sweep in range(sweeps):
+            for k in range(springs):
+                _project_spring(k, dt, p, s, g)
+            for k in range(hinges):
+                _project_hinge(k, dt, p, a, g)
+        for i in range(points):
+            p.velocity[i] = (p.position[i] - g.before[i]) / dt
 
 
 @ti.kernel
-def finish(points: ti.i32, dt: ti.f64, p: Points, before: Vectors):
+def foresee(
+    airy: ti.template(),
+    points: ti.i32,
+    springs: ti.i32,
+    hinges: ti.i32,
+    dt: ti.f64,
+    left: ti.i32,
+    gravity: vec3,
+    wind: vec3,
+    p: Points,
+    g: Guess,
+):
     for i in range(points):
-        p.velocity[i] = (p.position[i] - before[i]) / dt
+        _foresee(airy, i, dt, left, gravity, wind, p, g)
+    for k in range(springs):
+        g.pulled[k] = 0.0
+    for k in range(hinges):
+        g.bent[k] = 0.0
+
+
+@ti.kernel
+def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess):
+    for k in range(first, last):
+        _project_spring(k, dt, p, s, g)
+
+
+@ti.kernel
+def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess):
+    for k in range(first, last):
+        _project_hinge(k, dt, p, a, g)
+
+
+@ti.kernel
+def finish(points: ti.i32, dt: ti.f64, p: Points, g: Guess):
+    for i in range(points):
+        p.velocity[i] = (p.position[i] - g.before[i]) / dt

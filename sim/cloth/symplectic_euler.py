@@ -10,14 +10,18 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import taichi as ti
 
 from sim.cloth import explicit
 from sim.cloth.collision import Collisions
+from sim.cloth.explicit import Workspace
 from sim.cloth.mesh import ClothMesh, fold
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import numbers, vectors
 from sim.double import vec3
 
+ALONE = 4000
+"""Cloths of fewer points are stepped by one thread."""
 MOST_SUBSTEPS = 20_000
 """Of a step: more would seem to hang."""
 
@@ -31,8 +35,15 @@ class SymplecticEuler:
         self.mesh = mesh
         self.gravity = vec3(*gravity)
         self.stable = settings.symplectic_euler.share * longest_step(mesh)
-        self._pull = vectors(np.zeros((mesh.springs, 3)))
-        self._moment, self._slope = numbers(np.zeros(mesh.hinges)), vectors(np.zeros((4 * mesh.hinges, 3)))
+        self._workspace = Workspace(
+            aims=mesh.place,
+            air_face=mesh.air.face,
+            air_across=mesh.air.across,
+            air_along=mesh.air.along,
+            pull=vectors(np.zeros((mesh.springs, 3))),
+            bending=numbers(np.zeros(mesh.hinges)),
+            leaning=vectors(np.zeros((4 * mesh.hinges, 3))),
+        )
 
     def limits(self) -> dict[str, float]:
         """Largest steps [s] by what limits them."""
@@ -47,26 +58,23 @@ class SymplecticEuler:
     def substep(self, dt: float, number: int = 1) -> None:
         """So many steps of dt [s], however unstable."""
         mesh = self.mesh
-        for step in range(number):
+        alone = mesh.count < ALONE and ti.cfg.arch == ti.cpu
+        for step in range(1 if alone else number):
             explicit.step(
+                alone,
                 mesh.air.present,
+                number,
+                number - step,
                 mesh.count,
                 mesh.springs,
                 mesh.hinges,
                 dt,
-                number - step,
                 self.gravity,
                 mesh.air.wind,
                 mesh.points,
                 mesh.strands,
                 mesh.angles,
-                mesh.place,
-                mesh.air.face,
-                mesh.air.across,
-                mesh.air.along,
-                self._pull,
-                self._moment,
-                self._slope,
+                self._workspace,
             )
 
     @property

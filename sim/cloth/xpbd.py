@@ -8,15 +8,20 @@ by side.
 from __future__ import annotations
 
 import numpy as np
+import taichi as ti
 
 from sim.cloth import position_based
 from sim.cloth.collision import Collisions
 from sim.cloth.coloring import colored
 from sim.cloth.layout import Angles, Strands
 from sim.cloth.mesh import ClothMesh
+from sim.cloth.position_based import Guess
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import angle_arrays, numbers, strand_arrays, vectors
 from sim.double import vec3
+
+ALONE = 4000
+"""Cloths of fewer points are stepped by one thread, one constraint after the other."""
 
 
 class XPBD:
@@ -28,8 +33,15 @@ class XPBD:
         self.mesh = mesh
         self.settings = settings.xpbd
         self.gravity = vec3(*gravity)
-        self._before = vectors(np.zeros((mesh.count, 3)))
-        self._pull, self._moment = numbers(np.zeros(mesh.springs)), numbers(np.zeros(mesh.hinges))
+        self._guess = Guess(
+            aims=mesh.place,
+            air_face=mesh.air.face,
+            air_across=mesh.air.across,
+            air_along=mesh.air.along,
+            before=vectors(np.zeros((mesh.count, 3))),
+            pulled=numbers(np.zeros(mesh.springs)),
+            bent=numbers(np.zeros(mesh.hinges)),
+        )
         order, self._spring_colors = colored(mesh.ends, mesh.count)
         self._strands: Strands = strand_arrays(
             mesh.ends[order], mesh.rest[order], mesh.stiffness[order], mesh.damping[order], mesh.count
@@ -49,13 +61,31 @@ class XPBD:
 
     def advance(self, dt: float) -> dict[str, float]:
         """Step by dt [s]; returns the STATISTICS."""
-        number = self.settings.substeps
-        for step in range(number):
-            self._substep(dt / number, number - step)
+        mesh, settings = self.mesh, self.settings
+        number = settings.substeps
+        if mesh.count < ALONE and ti.cfg.arch == ti.cpu:
+            position_based.substeps_alone(
+                mesh.air.present,
+                number,
+                settings.iterations,
+                mesh.count,
+                mesh.springs,
+                mesh.hinges,
+                dt / number,
+                self.gravity,
+                mesh.air.wind,
+                mesh.points,
+                self._strands,
+                self._angles,
+                self._guess,
+            )
+        else:
+            for step in range(number):
+                self._substep(dt / number, number - step)
         return {"cloth_substeps": number}
 
     def _substep(self, dt: float, left: int) -> None:
-        mesh = self.mesh
+        mesh, guess = self.mesh, self._guess
         position_based.foresee(
             mesh.air.present,
             mesh.count,
@@ -66,20 +96,14 @@ class XPBD:
             self.gravity,
             mesh.air.wind,
             mesh.points,
-            mesh.place,
-            mesh.air.face,
-            mesh.air.across,
-            mesh.air.along,
-            self._before,
-            self._pull,
-            self._moment,
+            guess,
         )
         for _ in range(self.settings.iterations):
             for first, last in self._spring_colors:
-                position_based.project_springs(first, last, dt, mesh.points, self._strands, self._before, self._pull)
+                position_based.project_springs(first, last, dt, mesh.points, self._strands, guess)
             for first, last in self._hinge_colors:
-                position_based.project_hinges(first, last, dt, mesh.points, self._angles, self._before, self._moment)
-        position_based.finish(mesh.count, dt, mesh.points, self._before)
+                position_based.project_hinges(first, last, dt, mesh.points, self._angles, guess)
+        position_based.finish(mesh.count, dt, mesh.points, guess)
 
     @property
     def bytes(self) -> int:

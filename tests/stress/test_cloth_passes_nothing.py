@@ -44,7 +44,7 @@ def test_a_ball_that_is_shot_at_a_cloth():
 
 
 def test_two_cloths_between_closing_plates():
-    plate = {"shape": {"type": "box", "size": [0.5, 0.05, 0.5]}, "motion": "prescribed"}
+    plate = {"shape": {"type": "box", "size": [0.8, 0.05, 0.8]}, "motion": "prescribed"}
     closing = {
         "low": plate | {"keyframes": [{"at": 0, "position": [0, -0.08, 0]}, {"at": 0.4, "position": [0, -0.035, 0]}]},
         "high": plate | {"keyframes": [{"at": 0, "position": [0, 0.08, 0]}, {"at": 0.4, "position": [0, 0.035, 0]}]},

@@ -84,7 +84,10 @@ def test_equilibrium_does_not_depend_on_the_integrator():
     air = {"density": 1000.0}
     sags = {}
     for integrator in INTEGRATORS:
-        made = part({"sheet": sheet((1.0, 1.0), spacing=0.125, **cloth)}, integrator=integrator, air=air)
+        # XPBD is softer by the square of its steps: 2.7 % with the default of 10.
+        made = part(
+            {"sheet": sheet((1.0, 1.0), spacing=0.125, **cloth)}, integrator=integrator, air=air, xpbd={"substeps": 40}
+        )
         step(made, 12.0, 0.01)
         assert made.measure().v_max < 1e-4
         sags[integrator] = -places(made)[:, 1].min()

@@ -168,7 +168,11 @@ ADDED = {
         "cloth and fluid do not meet yet",
         "remove",
     ),
-    "probe of a vertex": ("probes: {p: {type: vertex, sheet: ball, vertex: 3}}", "probes.p.sheet", "'ball' is no sheet of cloth"),
+    "probe of a vertex": (
+        "probes: {p: {type: vertex, sheet: ball, vertex: 3}}",
+        "probes.p.sheet",
+        "'ball' is no sheet of cloth",
+    ),
     "probe of no body": ("probes: {p: {type: force, body: bal}}", "probes.p.body", "did you mean 'ball'?"),
     "probe of the fluid": ("probes: {p: {type: force, body: drop}}", "probes.p.body", "no rigid body with a surface"),
     "unknown probe": ("probes: {p: {type: forc, body: ball}}", "probes.p", "did you mean 'force'?"),
