@@ -53,6 +53,9 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
         return Fault("a rigid body has values that are not finite", "use a smaller step (rigid.max_step)")
     if world.cloth and not world.cloth.measure().finite:
         return Fault("the cloth has values that are not finite", "use a smaller step (cloth.max_step)")
+    if world.cloth and world.cloth.stuck:
+        remedy = "use a smaller step (cloth.max_step), slower solids, more room between them, or a thinner cloth"
+        return Fault(f"solids push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
     if measure is None or not world.fluid.count:
         return None
     fault = _particle_fault(world, measure) or _fixed_step_fault(world, measure, dt)

@@ -94,6 +94,8 @@ class ClothPart:
         self._refuse_jumps(position, time)
         self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
         self._meter = Meter(self.mesh, gravity)
+        self.stuck = 0
+        """Pairs that came too near in the last step, since solids push them together."""
         self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
         self._led = integers(np.concatenate([lead.points for lead in self._leads])) if self._leads else None
 
@@ -120,7 +122,9 @@ class ClothPart:
             aims = np.concatenate([lead.at(until) for lead in self._leads])
             put(len(aims), self._led, vectors(aims), self.mesh.place)
         self.mesh.air.update(self.mesh)
-        return self.integrator.advance(dt)
+        told = self.integrator.advance(dt)
+        self.stuck = int(told.get("cloth_stuck", 0))
+        return told
 
     def measure(self) -> ClothMeasure:
         return self._meter.read()
