@@ -16,7 +16,8 @@ FINE = [0.1, pytest.param(0.05, marks=pytest.mark.slow)]
 """Spacings [m]."""
 
 
-@pytest.mark.parametrize("spacing", FINE)
+@pytest.mark.slow
+@pytest.mark.parametrize("spacing", [0.1, 0.05])
 def test_a_cloth_that_falls_on_a_ball(spacing):
     world = scene(
         {"cloth": sheet((1.0, 1.0), spacing=spacing, position=[0, 0.75, 0], thickness=0.01)},
@@ -35,6 +36,7 @@ def test_a_cloth_that_falls_on_the_edge_of_a_box(spacing):
     assert np.abs(world.cloth.vertices("cloth")[0][:, 0].mean()) < 0.05
 
 
+@pytest.mark.slow
 def test_a_ball_that_is_shot_at_a_cloth():
     """1 cm across at 50 m/s: further in a step than it is thick."""
     ball = {"shape": {"type": "sphere", "radius": 0.005}, "motion": "prescribed", "position": [0.013, 0.3, 0.017],

@@ -89,7 +89,9 @@ def test_a_pendulum_swings_slower_the_wider_it_swings(integrator, angle):
     assert period(np.array(times), np.array(sideways)) == pytest.approx(expected, rel=bound)
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize(
+    "integrator", ["symplectic_euler", "xpbd", pytest.param("implicit_euler", marks=pytest.mark.slow)]
+)
 def test_a_hanging_rope_sways(integrator):
     """w = j / 2 sqrt(g / L), j = 2.4048 the first zero of Bessel's J0 (Daniel Bernoulli 1732)."""
     length = 1.0
