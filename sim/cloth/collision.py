@@ -106,7 +106,8 @@ class Collisions:
                 _Search(True, False, edges, len(cloth.edges), self._solid[1]),
                 _Search(False, False, integers(solids.points), len(solids.points), self._own[0]),
             ]
-        self._points, self._number = points, integers(np.zeros(len(cloth.points)))
+        self._cloth_points, self._points = cloth.points, points
+        self._number = integers(np.zeros(len(cloth.points)))
         self._least = float(half[: mesh.count].min()) * 2
         self._make_room(64)
 
@@ -199,11 +200,17 @@ class Collisions:
         return whole
 
     def _near_wall(self, wall: Wall, place: ti.Ndarray) -> np.ndarray:
-        number = len(self.half[: self.mesh.count])
         search.find_near_plane(
-            number, EARLY, vec3(*wall.normal), wall.offset, self._points, self._half, place, self._number
+            len(self._cloth_points),
+            EARLY,
+            vec3(*wall.normal),
+            wall.offset,
+            self._points,
+            self._half,
+            place,
+            self._number,
         )
-        return self._points.to_numpy()[np.flatnonzero(self._number.to_numpy())]
+        return self._cloth_points[np.flatnonzero(self._number.to_numpy())]
 
     def _unknown(self, key: np.ndarray, weight: np.ndarray, normal: np.ndarray) -> Known:
         n = len(key)
@@ -307,8 +314,6 @@ class _Search:
             corner=integers(np.zeros(4 * slots)),
             weight=ti.Vector.ndarray(4, ti.f64, slots),
             toward=vectors(np.zeros((slots, 3))),
-            apart=numbers(np.zeros(slots)),
-            when=numbers(np.zeros(slots)),
             narrow=integers(np.zeros(slots)),
         )
 

@@ -5,8 +5,8 @@ Small cloths are solved by one thread in one launch: threads would wait for one 
 
 import taichi as ti
 
-from sim.cloth.layout import Angles, Points, Strands, Touches
-from sim.cloth.newton import BEFORE, BEND, NOW, ROWS, System, Trial, drag
+from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
+from sim.cloth.newton import BEFORE, BEND, NOW, System, Trial, drag
 from sim.cloth.touch import carried, yielding
 from sim.double import vec3
 

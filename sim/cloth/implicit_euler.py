@@ -13,8 +13,9 @@ import taichi as ti
 from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
 from sim.cloth.conjugate_gradients import AT_ONCE
+from sim.cloth.layout import ROWS
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.newton import ROWS, System, Trial
+from sim.cloth.newton import System, Trial
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import matrices, numbers, vectors
 from sim.double import vec3

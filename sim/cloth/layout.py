@@ -4,6 +4,9 @@ import taichi as ti
 
 from sim.double import Integers, Numbers, Vectors, vec4
 
+ROWS = 256
+"""Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
+
 Weights = ti.types.ndarray(dtype=vec4, ndim=1)
 
 Points = ti.types.argpack(position=Vectors, velocity=Vectors, mass=Numbers, mobile=Integers)

@@ -9,6 +9,7 @@ import numpy as np
 import taichi as ti
 
 from sim.cloth import measure_sums
+from sim.cloth.layout import ROWS
 from sim.cloth.mesh import ClothMesh
 from sim.double import vec3
 
@@ -36,7 +37,7 @@ class Meter:
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray):
         self.mesh = mesh
         self.gravity = vec3(*gravity)
-        self._rows = ti.Vector.ndarray(5, ti.f64, measure_sums.ROWS)
+        self._rows = ti.Vector.ndarray(5, ti.f64, ROWS)
 
     def read(self) -> ClothMeasure:
         mesh = self.mesh

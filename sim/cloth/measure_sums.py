@@ -3,10 +3,9 @@
 import taichi as ti
 
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands
+from sim.cloth.layout import ROWS, Angles, Points, Strands
 from sim.double import vec3
 
-ROWS = 256
 vec5 = ti.types.vector(5, ti.f64)
 Rows = ti.types.ndarray(dtype=vec5, ndim=1)
 

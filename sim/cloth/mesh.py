@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sim.cloth import air as drag
@@ -11,16 +9,6 @@ from sim.cloth.fabric import Fabric
 from sim.cloth.spec import Air, ClothSheet
 from sim.cloth.tables import angle_arrays, incidence, integers, numbers, point_arrays, strand_arrays, vectors
 from sim.double import vec3
-
-
-@dataclass
-class Springs:
-    """Of all sheets, on the host."""
-
-    ends: np.ndarray
-    rest: np.ndarray
-    stiffness: np.ndarray
-    damping: np.ndarray
 
 
 class ClothMesh:

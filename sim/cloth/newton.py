@@ -12,13 +12,11 @@ negative, so that every way found leads down.
 import taichi as ti
 
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands, Touches
+from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
 from sim.cloth.springs import block, line
 from sim.cloth.touch import touch_energy
 from sim.double import Matrices, Numbers, Vectors, mat3, vec3
 
-ROWS = 256
-"""Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
 BEFORE, NOW, BEND = range(3)
 """Scalars of conjugate gradients: r.z of the iteration before and of this one, and p.Ap."""
 

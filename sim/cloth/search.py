@@ -12,12 +12,10 @@ Hits = ti.types.argpack(
     corner=Integers,
     weight=Weights,
     toward=Vectors,
-    apart=Numbers,
-    when=Numbers,
     narrow=Integers,
 )
-"""Pairs that come near: four points, their weights, the unit vector to the first primitive, how far off they are then
-[m], at which share of the step; and whether they come nearer than they may at all."""
+"""Pairs that come near: four points, their weights then, and the unit vector to the first primitive; and whether they
+come nearer than they may at all."""
 
 
 @ti.kernel
@@ -85,8 +83,6 @@ def find_near(
                                 hits.corner[4 * slot + 3] = d
                                 hits.weight[slot] = then.weight
                                 hits.toward[slot] = then.apart / ti.max(distance, 1e-30)
-                                hits.apart[slot] = distance
-                                hits.when[slot] = share
                                 kept = least * ti.min(thick, at_start)
                                 hits.narrow[slot] = int(
                                     time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, kept) <= 1.0

@@ -7,9 +7,6 @@ import taichi as ti
 
 from sim.cloth.layout import Angles, Points, Strands
 
-ROWS = 256
-"""Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
-
 
 def integers(values: np.ndarray, room: int = 1) -> ti.Ndarray:
     """On the device, with room for at least `room`."""

@@ -9,7 +9,7 @@ as the press that friction counts is renewed only when the rest has come to an e
 import taichi as ti
 
 from sim.cloth.layout import Touches
-from sim.double import Numbers, Vectors, vec3
+from sim.double import Numbers, vec3
 
 NOTHING = 1e-30
 """A force of friction below this [N] has no direction."""
@@ -98,14 +98,3 @@ def learn(touches: ti.i32, touch: Touches):
             hold *= touch.law[c][1] * push / size
         touch.press[c] = push
         touch.grip[c] = hold
-
-
-@ti.kernel
-def weigh(count: ti.i32, touch: Touches, at_points: Vectors, touches: ti.i32):
-    """The forces of contacts on each point [N]."""
-    for i in range(count):
-        total = vec3(0.0, 0.0, 0.0)
-        for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
-            c, corner = touch.of_touch[entry] // 4, touch.of_touch[entry] % 4
-            total += touch.touch_weight[c][corner] * touch.touch_force[c]
-        at_points[i] = total

@@ -1,0 +1,39 @@
+"""A scene without cloth imports none of its modules and launches none of its kernels."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from tests.unit.sim.test_rigid_not_loaded import ALWAYS, CODE, MOTIONS, ROOT
+
+MODULES = {f"sim.cloth.{path.stem}" for path in (ROOT / "sim/cloth").glob("*.py") if path.stem not in ALWAYS}
+MODULES |= {"sim.coupling.cloth_rigid", "sim.geometry.tree"}
+SHEET = {"shape": {"type": "sheet", "size": [0.2, 0.2]}, "spacing": 0.1, "position": [0, 1, 0]}
+SCENES = {
+    "bodies": MOTIONS["dynamic"],
+    "cloth alone": {"cloth": {"sheets": {"sheet": SHEET}}},
+    "cloth on a ball": {"cloth": {"sheets": {"sheet": SHEET}}} | MOTIONS["static"],
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_a_scene_loads_and_launches(tmp_path, name):
+    options = ["--spec", json.dumps({"fps": 100} | SCENES[name]), "--folder", tmp_path, "--frames", "0:1"]
+    command = [sys.executable, "-c", CODE, *options, "--out", tmp_path, "--arch", "cpu"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    loaded = MODULES & set(json.loads(done.stdout.splitlines()[-1]))
+    kernels = json.loads((tmp_path / "summary.json").read_text())["kernels"]
+    launched = {kernel for kernel in kernels if kernel.startswith("sim.cloth.")}
+    if name == "bodies":
+        assert not loaded
+        assert not launched
+    else:
+        assert {"sim.cloth.part", "sim.cloth.implicit_euler"} <= loaded
+        assert not {"sim.cloth.xpbd", "sim.cloth.symplectic_euler"} & loaded
+        assert ("sim.coupling.cloth_rigid" in loaded) == (name != "cloth alone")
+        assert "sim.cloth.newton.assess" in launched
