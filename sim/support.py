@@ -102,10 +102,6 @@ def _refuse_meetings(spec: SimulationSpec) -> None:
     """What cloth does not meet yet."""
     if spec.fluid is not None:
         raise Refused("cloth and fluid do not meet yet", location=("cloth",), remedy="remove the cloth or the fluid")
-    for name, body in (spec.rigid.bodies if spec.rigid else {}).items():
-        if body.motion == "dynamic":
-            remedy = "use motion: static or prescribed, or remove the cloth"
-            raise Refused("cloth does not move bodies yet", location=("rigid", "bodies", name, "motion"), remedy=remedy)
     if (spec.rigid or spec.containers) and spec.cloth.integrator != "implicit_euler":
         message = f"cloth meets solids with implicit_euler only, not with {spec.cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")

@@ -277,6 +277,8 @@ class World:
             self._follow()
         if self.cloth:
             told |= self.cloth.advance(dt, until, self._solid_places(until))
+            if self.rigid:
+                self._push(dt)
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
             told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
@@ -284,6 +286,13 @@ class World:
             self._follow()
         self.time = until
         return told
+
+    def _push(self, dt: float) -> None:
+        """Let the cloth push dynamic bodies."""
+        from sim.coupling.cloth_rigid import push
+
+        push(self.cloth, self.rigid, dt)
+        self._follow()
 
     def _solid_places(self, time: float) -> np.ndarray | None:
         """Where surfaces that cloth may meet are at `time` [s], if any of them moves."""

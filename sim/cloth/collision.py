@@ -153,6 +153,13 @@ class Collisions:
         """Renew the forces that friction counts; returns how far that may move contacts [m]."""
         return touch.press_on(self.count, self.touches) if self.count else 0.0
 
+    def on_solids(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points of solids that the cloth touches, and the force on each [N], shape [n, 3]; a point may come twice."""
+        corners, count = self.known.key[:, 1:], self.mesh.count
+        contact, corner = np.nonzero(corners >= count)
+        force = self.touches.touch_force.to_numpy()[contact]
+        return corners[contact, corner], self.known.weight[contact, corner, None] * force
+
     def end(self) -> None:
         """Keep forces for the next step."""
         if self.count:

@@ -21,8 +21,10 @@ class Solids:
     """Coefficients of friction at points while sliding, shape [n]."""
     hold: np.ndarray
     """At rest, shape [n]."""
+    body: np.ndarray
+    """Numbers of the bodies that points belong to, shape [n]."""
     walls: list[Wall]
 
     @classmethod
     def none(cls) -> Solids:
-        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), [])
+        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), np.zeros(0, int), [])

@@ -1,0 +1,66 @@
+"""Cloth and bodies that obey forces move each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.bodies import ball, box
+from tests.cloths import G, scene, sheet
+
+TIGHT = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-4, "max_newton": 60}}
+
+
+def momentum(world) -> tuple[np.ndarray, np.ndarray]:
+    """Of cloth and bodies, and angular about the origin [kg m/s] and [kg m^2/s]."""
+    rigid, mass = world.rigid, world.cloth.mesh.mass[:, None]
+    x, v = world.cloth.vertices("cloth")
+    free = rigid.free
+    linear = (mass * v).sum(axis=0) + (rigid.mass[free, None] * rigid.velocity[free]).sum(axis=0)
+    angular = np.cross(x, mass * v).sum(axis=0) + rigid.momentum[free].sum(axis=0)
+    return linear, angular + np.cross(rigid.position[free], rigid.mass[free, None] * rigid.velocity[free]).sum(axis=0)
+
+
+@pytest.mark.parametrize("gravity", [0.0, G])
+@pytest.mark.parametrize("body", [ball(0.05, density=300), box((0.12, 0.08, 0.1), density=200)], ids=["ball", "box"])
+def test_momentum_goes_from_one_to_the_other(body, gravity):
+    """P(t) = P0 + M g t; without gravity angular momentum stays as well as implicit Euler keeps it."""
+    flying = body | {"position": [0.04, 0.09, 0.03], "velocity": [0.3, -2, 0], "angular_velocity": [0, 3, 5]}
+    world = scene(
+        {"cloth": sheet((0.5, 0.5), spacing=0.05, thickness=0.01, damping=0.1)},
+        {"body": flying},
+        cloth=TIGHT,
+        gravity=[0, -gravity, 0],
+    )
+    linear, angular = momentum(world)
+    whole = world.cloth.mesh.mass.sum() + world.rigid.mass[world.rigid.free].sum()
+    dt, steps = 0.002, 60
+    for k in range(1, steps + 1):
+        world.advance(dt, k * dt)
+    after, turning = momentum(world)
+    fallen = np.array([0, -gravity * dt * steps, 0])
+    assert np.linalg.norm(world.cloth.vertices("cloth")[1].mean(axis=0) - fallen) > 0.2
+    assert np.allclose(after, linear + whole * fallen, rtol=0, atol=1e-5 * np.linalg.norm(linear))
+    if gravity == 0:
+        assert np.allclose(turning, angular, rtol=0, atol=0.02 * np.linalg.norm(angular))
+
+
+def test_a_ball_that_falls_into_a_cloth_is_caught():
+    """It bounces lower and lower around the place where the cloth carries it, and never gains energy over the start."""
+    world = scene(
+        {"cloth": sheet((0.8, 0.8), spacing=0.08, thickness=0.012, pins=["corners"], stretch_stiffness=2000)},
+        {"ball": ball(0.1, density=300, position=[0, 0.15, 0])},
+        cloth={"air": {"density": 50}},
+    )
+    energies, heights = [], []
+    for k in range(1, 276):
+        world.advance(0.004, k * 0.004)
+        ball_now, cloth_now = world.rigid.measure(), world.cloth.measure()
+        energies.append(ball_now.kinetic_energy + ball_now.potential_energy + cloth_now.kinetic_energy)
+        energies[-1] += cloth_now.potential_energy + cloth_now.elastic_energy
+        heights.append(world.rigid.position[0].copy())
+    assert max(energies) < 1.01 * world.rigid.mass[0] * G * 0.15
+    assert energies[-1] < 0.2 * energies[0]
+    assert np.min(heights) > -0.2
+    assert np.max(np.array(heights)[150:, 1]) < 0.05
+    assert np.abs(np.array(heights)[:, [0, 2]]).max() < 0.01
