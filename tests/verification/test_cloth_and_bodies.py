@@ -21,8 +21,11 @@ def momentum(world) -> tuple[np.ndarray, np.ndarray]:
     return linear, angular + np.cross(rigid.position[free], rigid.mass[free, None] * rigid.velocity[free]).sum(axis=0)
 
 
-@pytest.mark.parametrize("gravity", [0.0, G])
-@pytest.mark.parametrize("body", [ball(0.05, density=300), box((0.12, 0.08, 0.1), density=200)], ids=["ball", "box"])
+BODIES = {"ball": ball(0.05, density=300), "box": box((0.12, 0.08, 0.1), density=200)}
+
+
+@pytest.mark.parametrize("gravity", [0.0, pytest.param(G, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("body", [pytest.param(BODIES["ball"], marks=pytest.mark.slow), BODIES["box"]], ids=BODIES)
 def test_momentum_goes_from_one_to_the_other(body, gravity):
     """P(t) = P0 + M g t; without gravity angular momentum stays as well as implicit Euler keeps it."""
     flying = body | {"position": [0.04, 0.09, 0.03], "velocity": [0.3, -2, 0], "angular_velocity": [0, 3, 5]}
@@ -45,6 +48,7 @@ def test_momentum_goes_from_one_to_the_other(body, gravity):
         assert np.allclose(turning, angular, rtol=0, atol=0.02 * np.linalg.norm(angular))
 
 
+@pytest.mark.slow
 def test_a_ball_that_falls_into_a_cloth_is_caught():
     """It bounces lower and lower around the place where the cloth carries it, and never gains energy over the start."""
     world = scene(
