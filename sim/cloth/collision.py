@@ -108,17 +108,11 @@ class Collisions:
             ]
         self._cloth_points, self._points = cloth.points, points
         self._number = integers(np.zeros(len(cloth.points)))
-        self._least = float(half[: mesh.count].min()) * 2
         self._make_room(64)
 
     @property
     def count(self) -> int:
         return len(self.known.key)
-
-    @property
-    def tolerance(self) -> float:
-        """How exactly contacts are kept [m]."""
-        return 0.01 * self._least
 
     def begin(self, start: ti.Ndarray) -> None:
         """Look again at contacts where points are now; those that have parted are forgotten."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
@@ -26,8 +25,6 @@ PASSES = 3
 """Times that the forces which friction counts are renewed in a solution, and one more."""
 ROUNDS = 12
 """Of looking for contacts that the last solution made."""
-ALONE = 4000
-"""Cloths of fewer points are solved by one thread."""
 HALVINGS = 30
 """Of a way that does not lead down: then it is rounding that is left."""
 ROUNDING = 1e-12
@@ -158,7 +155,7 @@ class ImplicitEuler:
         first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *parts)
         enough = first * self.settings.linear_error**2
         most, touches = self.settings.max_iterations, self.collisions.count
-        if mesh.count < ALONE and ti.cfg.arch == ti.cpu:
+        if mesh.alone:
             made = conjugate_gradients.solve_alone(
                 mesh.air.present, mesh.count, mesh.hinges, touches, most, enough, dt, *parts
             )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import taichi as ti
 
 from sim.cloth import air as drag
 from sim.cloth.fabric import Fabric
 from sim.cloth.spec import Air, ClothSheet
 from sim.cloth.tables import angle_arrays, incidence, integers, numbers, point_arrays, strand_arrays, vectors
 from sim.double import vec3
+
+ALONE = 4000
+"""Cloths of fewer points are stepped by one thread on a CPU."""
 
 
 class ClothMesh:
@@ -55,6 +59,11 @@ class ClothMesh:
         self.stiff = numbers(np.bincount(self.ends.ravel(), weights=np.repeat(self.stiffness, 2), minlength=self.count))
         """Sum over the springs of each point [N/m]."""
         self.air = AirDrag(self, air)
+
+    @property
+    def alone(self) -> bool:
+        """Whether one thread does better than several that wait for one another."""
+        return self.count < ALONE and ti.cfg.arch == ti.cpu
 
     @property
     def bytes(self) -> int:

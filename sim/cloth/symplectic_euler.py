@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth import explicit
 from sim.cloth.collision import Collisions
@@ -20,8 +19,6 @@ from sim.cloth.spec import Cloth
 from sim.cloth.tables import numbers, vectors
 from sim.double import vec3
 
-ALONE = 4000
-"""Cloths of fewer points are stepped by one thread."""
 MOST_SUBSTEPS = 20_000
 """Of a step: more would seem to hang."""
 
@@ -58,7 +55,7 @@ class SymplecticEuler:
     def substep(self, dt: float, number: int = 1) -> None:
         """So many steps of dt [s], however unstable."""
         mesh = self.mesh
-        alone = mesh.count < ALONE and ti.cfg.arch == ti.cpu
+        alone = mesh.alone
         for step in range(1 if alone else number):
             explicit.step(
                 alone,

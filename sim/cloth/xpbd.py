@@ -8,7 +8,6 @@ by side.
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth import position_based
 from sim.cloth.collision import Collisions
@@ -19,9 +18,6 @@ from sim.cloth.position_based import Guess
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import angle_arrays, numbers, strand_arrays, vectors
 from sim.double import vec3
-
-ALONE = 4000
-"""Cloths of fewer points are stepped by one thread, one constraint after the other."""
 
 
 class XPBD:
@@ -63,7 +59,7 @@ class XPBD:
         """Step by dt [s]; returns the STATISTICS."""
         mesh, settings = self.mesh, self.settings
         number = settings.substeps
-        if mesh.count < ALONE and ti.cfg.arch == ti.cpu:
+        if mesh.alone:
             position_based.substeps_alone(
                 mesh.air.present,
                 number,
