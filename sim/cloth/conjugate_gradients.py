@@ -6,7 +6,7 @@ Small cloths are solved by one thread in one launch: threads would wait for one 
 import taichi as ti
 
 from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
-from sim.cloth.newton import BEFORE, BEND, NOW, System, Trial, drag
+from sim.cloth.newton import BEFORE, BEND, NOW, System, Trial, add_range, add_ranges, drag
 from sim.cloth.touch import carried, yielding
 from sim.double import vec3
 
@@ -140,32 +140,18 @@ def iterate(
         for i in range(points):
             e.term[i] = _push_back(airy, i, dt, p, s, a, touch, t, e)
         for row in range(ROWS):
-            size = (points + ROWS - 1) // ROWS
-            total = ti.cast(0.0, ti.f64)
-            for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-                total += e.term[i]
-            e.term[points + row] = total
+            add_range(row, points, e.term)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            total = ti.cast(0.0, ti.f64)
-            for row in range(ROWS):
-                total += e.term[points + row]
-            e.scalar[BEND] = total
+            e.scalar[BEND] = add_ranges(points, e.term)
         for i in range(points):
             e.term[i] = _step_on(i, _ratio(e.scalar[NOW], e.scalar[BEND]), p, e)
         for row in range(ROWS):
-            size = (points + ROWS - 1) // ROWS
-            total = ti.cast(0.0, ti.f64)
-            for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-                total += e.term[i]
-            e.term[points + row] = total
+            add_range(row, points, e.term)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            total = ti.cast(0.0, ti.f64)
-            for row in range(ROWS):
-                total += e.term[points + row]
             e.scalar[BEFORE] = e.scalar[NOW]
-            e.scalar[NOW] = total
+            e.scalar[NOW] = add_ranges(points, e.term)
         for i in range(points):
             e.course[i] = e.scaled[i] + _ratio(e.scalar[NOW], e.scalar[BEFORE]) * e.course[i]
     return e.scalar[NOW]

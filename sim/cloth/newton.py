@@ -55,6 +55,25 @@ slopes of each [1/m]. Points: what conjugate gradients need. Terms and scalars o
 
 
 @ti.func
+def add_range(row: ti.i32, count: ti.i32, term: ti.template()):
+    """Sum one of ROWS ranges of so many terms, into a place behind them."""
+    size = (count + ROWS - 1) // ROWS
+    total = ti.cast(0.0, ti.f64)
+    for k in range(ti.min(row * size, count), ti.min((row + 1) * size, count)):
+        total += term[k]
+    term[count + row] = total
+
+
+@ti.func
+def add_ranges(count: ti.i32, term: ti.template()) -> ti.f64:
+    """Sum what `add_range` left."""
+    total = ti.cast(0.0, ti.f64)
+    for row in range(ROWS):
+        total += term[count + row]
+    return total
+
+
+@ti.func
 def drag(t: ti.template(), i: ti.i32, velocity: vec3) -> vec3:
     """What air takes [N] at a velocity relative to it."""
     n = t.face[i]
@@ -143,15 +162,11 @@ def assess(
         e.term[i] = energy
     count = points + springs + hinges + touches
     for row in range(ROWS):
-        size = (count + ROWS - 1) // ROWS
-        total = ti.cast(0.0, ti.f64)
-        for k in range(ti.min(row * size, count), ti.min((row + 1) * size, count)):
-            total += e.term[k]
-        e.term[count + row] = total
+        add_range(row, count, e.term)
     energy = ti.cast(0.0, ti.f64)
     ti.loop_config(serialize=True)
-    for row in range(ROWS):
-        energy += e.term[count + row]
+    for _once in range(1):
+        energy = add_ranges(count, e.term)
     return energy
 
 
@@ -206,16 +221,10 @@ def linearize(
         t.base[i] = t.place[i]
         e.term[i] = r.dot(z)
     for row in range(ROWS):
-        size = (points + ROWS - 1) // ROWS
-        total = ti.cast(0.0, ti.f64)
-        for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-            total += e.term[i]
-        e.term[points + row] = total
+        add_range(row, points, e.term)
     ti.loop_config(serialize=True)
     for _once in range(1):
-        total = ti.cast(0.0, ti.f64)
-        for row in range(ROWS):
-            total += e.term[points + row]
+        total = add_ranges(points, e.term)
         e.scalar[NOW] = total
     return e.scalar[NOW]
 

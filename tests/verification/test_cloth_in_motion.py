@@ -25,7 +25,7 @@ def test_free_fall_is_exact(integrator):
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("mode", [1, 3])
+@pytest.mark.parametrize("mode", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_a_taut_rope_has_the_pitch_of_its_masses(integrator, mode):
     """w_n = 2 sqrt(T / (m a)) sin(n pi / (2 (N + 1))), N masses m at distances a under the tension T."""
     cells, stiffness, weight, slack = 20, 1000.0, 0.2, 0.9
@@ -156,3 +156,16 @@ def test_explicit_steps_blow_up_where_the_formula_says():
     assert made[0.99].measure().v_max < 1e-3
     wild = made[1.01].measure()
     assert not wild.finite or wild.v_max > 1.0
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_one_thread_and_many_do_the_same(integrator, monkeypatch):
+    """Small cloths are stepped by one thread; larger ones as here by all of them."""
+    found = []
+    for alone in (4000, 0):
+        monkeypatch.setattr("sim.cloth.mesh.ALONE", alone)
+        made = part({"sheet": sheet((1, 1), spacing=0.1, pins=["left"])}, integrator=integrator, air={}, **EXACT)
+        step(made, 0.1, 0.005)
+        found.append(places(made))
+    assert np.allclose(*found, rtol=0, atol=1e-6)
+    assert np.abs(found[0][:, 1]).max() > 0.01

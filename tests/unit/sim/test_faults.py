@@ -33,6 +33,7 @@ def world(limit=1e-3, solver="wcsph", **step):
     return SimpleNamespace(
         spec=spec,
         rigid=None,
+        cloth=None,
         fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),
