@@ -49,6 +49,7 @@ def test_a_ball_that_is_shot_at_a_cloth():
     assert world.cloth.vertices("cloth")[0][:, 1].min() < -0.1
 
 
+@pytest.mark.slow
 def test_two_cloths_between_closing_plates():
     plate = {"shape": {"type": "box", "size": [0.8, 0.05, 0.8]}, "motion": "prescribed"}
     closing = {
