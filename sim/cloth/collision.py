@@ -15,7 +15,7 @@ import taichi as ti
 from sim.cloth import search, touch
 from sim.cloth.layout import Touches
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.search import Hits
+from sim.cloth.search import EDGE, PLANE, POINT, Hits
 from sim.cloth.surfaces import Surface, Tree
 from sim.cloth.tables import incidence, integers, numbers, vectors
 from sim.double import vec3
@@ -32,8 +32,6 @@ ROOM = 8
 """Hits of one point or edge that there is room for at first."""
 HALVINGS = 40
 """Of the ways of points that would pass through something."""
-POINT, EDGE, PLANE = range(3)
-"""Kinds of pairs; planes are numbered from PLANE on."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +95,7 @@ class Collisions:
         self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()
         points, edges = integers(cloth.points), integers(cloth.edges.ravel())
         self._searches = [
-            _Search(False, True, points, len(cloth.points), self._own[0]),
+            _Search(False, False, points, len(cloth.points), self._own[0]),
             _Search(True, True, edges, len(cloth.edges), self._own[1]),
         ]
         if solids:
@@ -323,7 +321,7 @@ class _Search:
         while True:
             search.find_near(
                 self.edges,
-                self.itself and self.edges,
+                self.itself,
                 self._queries,
                 self._room,
                 self._tree.leaves,

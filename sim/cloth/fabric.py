@@ -20,7 +20,7 @@ Springs stand for what the threads do per width and length, so that the cloth is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -184,7 +184,7 @@ def _thread_hinges(index: np.ndarray, rigidity: float) -> tuple[np.ndarray, np.n
 
 def _of_mesh(sheet: ClothSheet, points: np.ndarray, triangles: np.ndarray) -> Fabric:
     areas = np.linalg.norm(np.cross(*(points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))), axis=1) / 2
-    edges, beside = np.unique(np.sort(_edges(triangles), axis=1), axis=0, return_inverse=True)
+    edges, beside = np.unique(np.sort(edges_of(triangles), axis=1), axis=0, return_inverse=True)
     around = np.bincount(beside.ravel(), weights=np.tile(areas, 3), minlength=len(edges))
     length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
     found = _hinges(points, triangles, sheet.bend_stiffness)
@@ -204,14 +204,14 @@ def _of_mesh(sheet: ClothSheet, points: np.ndarray, triangles: np.ndarray) -> Fa
     )
 
 
-def _edges(triangles: np.ndarray) -> np.ndarray:
+def edges_of(triangles: np.ndarray) -> np.ndarray:
     """The three edges of all triangles, one after the other, shape [3 t, 2]."""
     return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
 
 
 def _hinges(points: np.ndarray, triangles: np.ndarray, bend: float) -> dict[str, np.ndarray]:
     """Edges with exactly two triangles, and how they resist bending."""
-    edges, third = np.sort(_edges(triangles), axis=1), triangles[:, [2, 0, 1]].T.ravel()
+    edges, third = np.sort(edges_of(triangles), axis=1), triangles[:, [2, 0, 1]].T.ravel()
     order = np.lexsort((third, edges[:, 1], edges[:, 0]))
     edges, third = edges[order], third[order]
     new = np.r_[True, (edges[1:] != edges[:-1]).any(axis=1)]
@@ -231,16 +231,3 @@ def _skip(bend: float, width: np.ndarray, length: np.ndarray | float) -> np.ndar
 
 def _pairs(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.column_stack([one.ravel(), other.ravel()])
-
-
-def joined(fabrics: list[Fabric]) -> Fabric:
-    """All pieces as one, points in the order given; sides are not kept."""
-    starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics])
-    indices = {"triangles", "springs", "hinges", "skips"}
-    whole = {}
-    for field in fields(Fabric):
-        parts = [getattr(fabric, field.name) for fabric in fabrics]
-        if field.name in indices:
-            parts = [part + start for part, start in zip(parts, starts, strict=False)]
-        whole[field.name] = {} if field.name == "sides" else np.concatenate(parts)
-    return Fabric(**whole)

@@ -153,7 +153,8 @@ class ClothPart:
 
     def vertices(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Positions [m] and velocities [m/s] of one sheet's points, shape [n, 3]."""
-        return self.state().of(name)
+        points, rows = self.mesh.points, self._rows[name]
+        return points.position.to_numpy()[rows], points.velocity.to_numpy()[rows]
 
     @property
     def bytes(self) -> int:

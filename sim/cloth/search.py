@@ -8,6 +8,9 @@ from sim.cloth.proximity import nearest
 from sim.double import Integers, Numbers, Vectors, vec3
 from sim.geometry.tree import meet, next_node
 
+POINT, EDGE, PLANE = range(3)
+"""Kinds of pairs; planes are numbered from PLANE on."""
+
 Hits = ti.types.argpack(
     corner=Integers,
     weight=Weights,
@@ -146,7 +149,7 @@ def look_again(
     for k in range(count):
         p, q, r, s = place[key[k, 1]], place[key[k, 2]], place[key[k, 3]], place[key[k, 4]]
         found = nearest(False, p, q, r, s)
-        if key[k, 0] == 1:
+        if key[k, 0] == EDGE:
             found = nearest(True, p, q, r, s)
         distance = found.apart.norm()
         apart_out[k] = distance

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
+from sim.cloth.fabric import edges_of
 from sim.cloth.tables import integers, vectors
 from sim.geometry import tree
 
@@ -24,8 +25,8 @@ class Surface:
 
     @classmethod
     def of(cls, triangles: np.ndarray) -> Surface:
-        edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-        return cls(np.unique(triangles), triangles, np.unique(edges, axis=0).reshape(-1, 2))
+        edges = np.unique(np.sort(edges_of(triangles), axis=1), axis=0)
+        return cls(np.unique(triangles), triangles, edges.reshape(-1, 2))
 
 
 class Tree:

@@ -8,17 +8,17 @@ import taichi as ti
 from sim.cloth.layout import Angles, Points, Strands
 
 
-def integers(values: np.ndarray, room: int = 1) -> ti.Ndarray:
-    """On the device, with room for at least `room`."""
-    return _filled(ti.ndarray(ti.i32, max(len(values), room)), np.asarray(values, np.int32))
+def integers(values: np.ndarray) -> ti.Ndarray:
+    """On the device, with room for one at least."""
+    return _filled(ti.ndarray(ti.i32, max(len(values), 1)), np.asarray(values, np.int32))
 
 
-def numbers(values: np.ndarray, room: int = 1) -> ti.Ndarray:
-    return _filled(ti.ndarray(ti.f64, max(len(values), room)), np.asarray(values, np.float64))
+def numbers(values: np.ndarray) -> ti.Ndarray:
+    return _filled(ti.ndarray(ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
-def vectors(values: np.ndarray, room: int = 1) -> ti.Ndarray:
-    return _filled(ti.Vector.ndarray(3, ti.f64, max(len(values), room)), np.asarray(values, np.float64))
+def vectors(values: np.ndarray) -> ti.Ndarray:
+    return _filled(ti.Vector.ndarray(3, ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
 def _filled(array: ti.Ndarray, values: np.ndarray) -> ti.Ndarray:

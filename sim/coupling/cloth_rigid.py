@@ -29,11 +29,11 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         mesh = item.solid.mesh
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
-        grip = _grip(_surface(spec, item.name))
+        grip = _surface(spec, item.name).grip
         slide.append(np.full(len(mesh.vertices), grip[0]))
         hold.append(np.full(len(mesh.vertices), grip[1]))
         body.append(np.full(len(mesh.vertices), index))
-    walls = [Wall(wall.normal, wall.offset, *_grip(_surface(spec, wall.body))) for wall in obstacles.walls]
+    walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
     parts = (np.concatenate(part) for part in (triangles, slide, hold, body))
     return Solids(places(obstacles, time), *parts, walls)
 
@@ -62,8 +62,3 @@ def push(cloth: ClothPart, rigid: RigidPart, dt: float) -> None:
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:
     return spec.containers[name] if name in spec.containers else spec.rigid.bodies[name]
-
-
-def _grip(surface: Contact) -> tuple[float, float]:
-    """Friction while sliding and at rest."""
-    return surface.friction, surface.friction if surface.static_friction is None else surface.static_friction

@@ -49,6 +49,11 @@ class Contact(Settings):
     restitution: Restitution = 0.3
     """Relative speed after an impact over the one before; of two bodies the greater counts."""
 
+    @property
+    def grip(self) -> tuple[float, float]:
+        """Coefficients of friction while sliding and at rest."""
+        return self.friction, self.friction if self.static_friction is None else self.static_friction
+
     @model_validator(mode="after")
     def _rest_holds_better(self) -> Self:
         if self.static_friction is not None and self.static_friction < self.friction:
