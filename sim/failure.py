@@ -56,6 +56,9 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     if world.cloth and world.cloth.stuck:
         remedy = "use a smaller step (cloth.max_step), slower solids, more room between them, or a thinner cloth"
         return Fault(f"solids push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
+    if world.wet_cloth and world.wet_cloth.tightness.through:
+        remedy = "use a smaller step (cloth.max_step), larger particles, or a cloth that folds less"
+        return Fault(f"{world.wet_cloth.tightness.through} particles have no way but through the cloth", remedy)
     if measure is None or not world.fluid.count:
         return None
     fault = _particle_fault(world, measure) or _fixed_step_fault(world, measure, dt)

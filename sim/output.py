@@ -82,6 +82,8 @@ class Output:
         self._cloth_statistics = load_integrator(
             spec.cloth.integrator if spec.cloth else Cloth.model_fields["integrator"].default
         ).STATISTICS
+        if "fluid" in spec.materials():
+            self._cloth_statistics += ("cloth_held_off",)
         return CLOTH_COLUMNS + self._cloth_statistics
 
     def step(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.spec import BodyForce, Front, Pressure, Probe, SimulationSpec, VertexPosition, Volume, WaterHeight
+from sim.spec import BodyForce, Front, PinForce, Pressure, Probe, SimulationSpec, VertexPosition, Volume, WaterHeight
 
 if TYPE_CHECKING:
     from sim.world import World
@@ -32,8 +32,8 @@ class Probes:
             probe = self.probes[name]
             rate = probe.rate or self.fps
             self.due[name] = (math.floor(time * rate + 1e-6) + 1) / rate
-            if isinstance(probe, VertexPosition):
-                rows = _vertex(world, probe)
+            if isinstance(probe, VertexPosition | PinForce):
+                rows = _of_sheet(world, probe)
             elif world.fluid is None:
                 continue
             else:
@@ -126,10 +126,13 @@ class FluidView:
         return np.zeros(3), np.zeros(3)
 
 
-def _vertex(world: World, probe: VertexPosition) -> list[tuple[str, float, str]]:
-    """Where a vertex is; nothing while its sheet is not there."""
+def _of_sheet(world: World, probe: VertexPosition | PinForce) -> list[tuple[str, float, str]]:
+    """Where a vertex is, or what holds the sheet; nothing while that is not there."""
     if world.cloth is None or not any(item.name == probe.sheet for item in world.sheets):
         return []
+    if isinstance(probe, PinForce):
+        force = world.cloth.pin_force(probe.sheet)
+        return [(f"force_{axis}", float(force[k]), "N") for k, axis in enumerate("xyz")]
     place = world.cloth.vertices(probe.sheet)[0][probe.vertex]
     return [(f"position_{axis}", float(place[k]), "m") for k, axis in enumerate("xyz")]
 

@@ -117,7 +117,17 @@ class VertexPosition(Settings):
     rate: Frequency | None = None
 
 
-Probe = Annotated[WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition, Field(discriminator="type")]
+class PinForce(Settings):
+    """Force of all pins of a cloth sheet on it [N]."""
+
+    type: Literal["pin_force"]
+    sheet: Name
+    rate: Frequency | None = None
+
+
+Probe = Annotated[
+    WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition | PinForce, Field(discriminator="type")
+]
 
 
 class Addition(Settings):

@@ -43,7 +43,7 @@ def _refuse_settings(spec: SimulationSpec) -> None:
     if spec.cloth is not None:
         _refuse_meetings(spec)
     for name, probe in spec.probes.items():
-        if probe.type == "vertex":
+        if probe.type in ("vertex", "pin_force"):
             _refuse_sheetless(spec, name, probe.sheet)
             continue
         if spec.fluid is None:
@@ -100,10 +100,14 @@ def _path(body: RigidBody) -> tuple[Any, ...]:
 
 def _refuse_meetings(spec: SimulationSpec) -> None:
     """What cloth does not meet yet."""
-    if spec.fluid is not None:
-        raise Refused("cloth and fluid do not meet yet", location=("cloth",), remedy="remove the cloth or the fluid")
-    if (spec.rigid or spec.containers) and spec.cloth.integrator != "implicit_euler":
-        message = f"cloth meets solids with implicit_euler only, not with {spec.cloth.integrator} yet"
+    if spec.fluid is not None and spec.fluid.solver == "pcisph":
+        message = "cloth meets fluid with dfsph, iisph and wcsph only, not with pcisph"
+        raise Refused(message, location=("fluid", "solver"), remedy="use fluid.solver: dfsph")
+    if spec.fluid is not None and spec.fluid.viscosity_solver == "implicit":
+        message = "cloth does not meet fluid whose viscosity is implicit yet"
+        raise Refused(message, location=("fluid", "viscosity_solver"), remedy="use fluid.viscosity_solver: explicit")
+    if (spec.fluid or spec.rigid or spec.containers) and spec.cloth.integrator != "implicit_euler":
+        message = f"cloth meets fluid and solids with implicit_euler only, not with {spec.cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 

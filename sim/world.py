@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from sim.cloth.part import ClothPart, PlacedSheet
     from sim.cloth.state import ClothState
     from sim.coupling.floating import Floating
+    from sim.coupling.wet_cloth import WetCloth
     from sim.fluid.drains import Sink
     from sim.fluid.emitters import Outlet
     from sim.fluid.flow import Flow
     from sim.fluid.part import FluidPart, FluidState
+    from sim.fluid.sheets import SheetSamples
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
     from sim.movement import Movement
@@ -87,13 +89,14 @@ class World:
         self.rigid: RigidPart | None = None
         self.floating: Floating | None = None
         self.cloth: ClothPart | None = None
+        self.wet_cloth: WetCloth | None = None
         self._rigid_state = rigid_state
         self._cloth_state = cloth_state
         if rigid_state is not None:
             self._put_back(rigid_state)
         self.emission: dict[str, Any] = {}
         """What emitters had sent when this world was built."""
-        self.time = 0.0
+        self.time = self._until = 0.0
         """Of the present state [s]; told by who steps."""
 
     def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
@@ -124,6 +127,10 @@ class World:
         depth = sample_depth(spacing, self.spec.fluid.support_radius)
         free = allowed(self.obstacles, points, clearance, time)
         free[free] = off_samples(self.obstacles, points[free], clearance, spacing, depth, time)
+        if self.sheets:
+            from sim.coupling.wet_cloth import off_sheets
+
+            free[free] = off_sheets(self.sheets, self._cloth_state, points[free], clearance)
         return free
 
     def build(
@@ -160,28 +167,68 @@ class World:
             self.origin,
             state,
             Surroundings(
-                self.obstacles.planes(), boundary_samples(self.obstacles, spacing, depth), pivots(self.obstacles)
+                self.obstacles.planes(),
+                boundary_samples(self.obstacles, spacing, depth),
+                pivots(self.obstacles),
+                self._sheet_samples(),
             ),
             drop=self._top - self.floor,
             fastest=self._fastest,
         )
         self._aim(time)
         self.fluid.system.boundary.move()
-        if self.rigid:
-            self._couple()
+        self._couple()
         if self.outlets or self.sinks:
             self.flow = self.fluid.system.flow = self._build_flow(counts, warn)
         self.fluid.solver.restore() if going_on else self.fluid.solver.start()
 
     def _couple(self) -> None:
-        """Let fluid and dynamic bodies move each other."""
+        """Let fluid, dynamic bodies and cloth move each other."""
+        moved = [self._float()] if self.rigid else []
+        moved += [self._soak(alone=not moved)] if self.cloth else []
+        if len(moved) > 1:
+            from sim.coupling.together import Together
+
+            self.fluid.system.bodies = Together(moved)
+        elif moved:
+            self.fluid.system.bodies = moved[0]
+
+    def _sheet_samples(self) -> Callable[[int, float], SheetSamples] | None:
+        if not self.cloth:
+            return None
+        from sim.coupling.wet_cloth import sheet_samples
+
+        bodies = sum(item.motion is not None for item in self.obstacles.placed)
+        return sheet_samples(self.cloth, self.spec.fluid, self.origin, bodies + 1)
+
+    def _soak(self, *, alone: bool) -> WetCloth:
+        from sim.coupling.wet_cloth import WetCloth
+
+        self.wet_cloth = WetCloth(
+            self.cloth,
+            self.fluid.system,
+            self._sheet_samples(),
+            self.origin,
+            self._solids_ahead,
+            alone=alone,
+        )
+        return self.wet_cloth
+
+    def _solids_ahead(self) -> np.ndarray | None:
+        """Where surfaces that cloth may meet are after the step, if any of them moves."""
+        if self.rigid:
+            self._follow()
+        return self._solid_places(self._until)
+
+    def _float(self) -> Floating:
         from sim.coupling.floating import Floating
 
         moving = [index for index, item in enumerate(self.obstacles.placed) if item.motion]
         rows = {index: moving.index(index) for index in self.obstacles.dynamic}
         surfaces = [item.solid.mesh for item in self.obstacles.dynamic.values()]
         system = self.fluid.system
-        self.floating = system.bodies = Floating(self.rigid, system, rows, self.origin, surfaces)
+        self.floating = Floating(self.rigid, system, rows, self.origin, surfaces)
+        return self.floating
 
     def _put_back(self, state: RigidState) -> None:
         """Stand dynamic bodies where they were."""
@@ -265,6 +312,8 @@ class World:
         """What a run that goes on from the last frame would do first."""
         if self.fluid:
             self.fluid.system.begin_frame()
+        if self.wet_cloth and self.wet_cloth.begin_frame():
+            self.fluid.solver.restore()
 
     def advance(self, dt: float, until: float) -> dict[str, float]:
         """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
@@ -275,15 +324,20 @@ class World:
         if self.rigid and not together:
             told = self.rigid.advance(dt, moved)
             self._follow()
-        if self.cloth:
+        wet = self.wet_cloth and self.fluid.count
+        if self.cloth and not wet:
             told |= self.cloth.advance(dt, until, self._solid_places(until))
             if self.rigid:
                 self._push(dt)
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
+            if wet:
+                told["cloth_held_off"] = self.wet_cloth.tightness.held_off
             told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
         if together:
             self._follow()
+        if wet and self.rigid:
+            self._push(dt)
         self.time = until
         return told
 
@@ -309,8 +363,11 @@ class World:
 
     def _advance_fluid(self, dt: float, until: float, moved: dict[int, Movement]) -> dict[str, float]:
         self._aim(until)
+        self._until = until
         if self.floating:
             self.floating.begin(moved)
+        if self.wet_cloth:
+            self.wet_cloth.begin(until)
         if self.flow:
             self.flow.time = self.time
         if self.fluid.count:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import taichi as ti
 
 from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
@@ -25,6 +26,8 @@ PASSES = 3
 """Times that the forces which friction counts are renewed in a solution, and one more."""
 ROUNDS = 12
 """Of looking for contacts that the last solution made."""
+GIVING_WAY = 1e-3
+"""What is left of a force over the whole of it, when it is asked how points give way."""
 HALVINGS = 30
 """Of a way that does not lead down: then it is rounding that is left."""
 ROUNDING = 1e-12
@@ -82,9 +85,14 @@ class ImplicitEuler:
         """Largest steps [s] by what limits them: none."""
         return {}
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step by dt [s]; returns the STATISTICS."""
-        mesh, trial, collisions = self.mesh, self.trial, self.collisions
+    def advance(self, dt: float, load: ti.Ndarray | None = None) -> dict[str, float]:
+        """Step by dt [s] with forces of others on points [N]; returns the STATISTICS."""
+        self.foresee(dt, load)
+        return self.settle(dt)
+
+    def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
+        """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
+        mesh, trial = self.mesh, self.trial
         newton.begin(
             mesh.count,
             mesh.total,
@@ -97,24 +105,49 @@ class ImplicitEuler:
             mesh.angles,
             trial,
         )
-        collisions.begin(trial.start)
-        told = np.zeros(3, int)
-        rounds = 0
-        while rounds < ROUNDS:
-            rounds += 1
-            collisions.harden(dt, HARDNESS)
-            self._make_room()
-            told += self._settle(dt)
-            if not collisions.find(trial.start, trial.place):
-                break
+        if load is not None:
+            newton.load_on(mesh.count, dt, 1.0, mesh.points, load, trial)
+        self.collisions.begin(trial.start)
+        self._told, self._rounds = np.zeros(3, int), 0
+        self._part(dt)
+
+    def change(self, dt: float, load: ti.Ndarray, factor: float) -> None:
+        """Let a factor of forces on points [N] act besides those foreseen, and look where that takes them."""
+        newton.load_on(self.mesh.count, dt, factor, self.mesh.points, load, self.trial)
+        self._part(dt)
+
+    def linearize(self, dt: float) -> None:
+        """Find how points give way to forces where they are foreseen."""
+        self._assess(dt)
+        newton.linearize(self.mesh.air.present, self.mesh.count, dt, self.mesh.air.wind, *self._parts)
+
+    def give_way(self, dt: float, load: ti.Ndarray) -> ti.Ndarray:
+        """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
+        first = newton.ask(self.mesh.count, self.mesh.points, load, self.system)
+        self._iterate(dt, first * GIVING_WAY**2)
+        return self.system.answer
+
+    def settle(self, dt: float) -> dict[str, float]:
+        """Take the step to where it was foreseen; returns the STATISTICS."""
+        mesh, trial, collisions = self.mesh, self.trial, self.collisions
         held_back, stuck = collisions.hold_back(trial.start, trial.place)
         collisions.end()
         newton.finish(mesh.total, dt, mesh.points, trial)
-        steps, iterations, capped = told.tolist()
-        values = (steps, iterations, int(capped > 0), collisions.count, rounds, held_back, stuck)
+        steps, iterations, capped = self._told.tolist()
+        values = (steps, iterations, int(capped > 0), collisions.count, self._rounds, held_back, stuck)
         return dict(zip(self.STATISTICS, values, strict=True))
 
-    def _settle(self, dt: float) -> np.ndarray:
+    def _part(self, dt: float) -> None:
+        """Solve again and again until no contact is new."""
+        for _ in range(ROUNDS):
+            self._rounds += 1
+            self.collisions.harden(dt, HARDNESS)
+            self._make_room()
+            self._told += self._converge(dt)
+            if not self.collisions.find(self.trial.start, self.trial.place):
+                break
+
+    def _converge(self, dt: float) -> np.ndarray:
         """Newton's method; returns steps, iterations, and whether a cap was met."""
         energy = self._assess(dt)
         iterations, capped, passes = 0, 0, 0
@@ -151,9 +184,18 @@ class ImplicitEuler:
     def _solve(self, dt: float) -> tuple[int, bool]:
         """Find the way from the places tried; returns iterations, and whether they ended before the cap."""
         mesh = self.mesh
-        parts = (mesh.points, mesh.strands, mesh.angles, self.collisions.touches, self.trial, self.system)
-        first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *parts)
-        enough = first * self.settings.linear_error**2
+        first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *self._parts)
+        return self._iterate(dt, first * self.settings.linear_error**2)
+
+    @property
+    def _parts(self) -> tuple:
+        mesh = self.mesh
+        return mesh.points, mesh.strands, mesh.angles, self.collisions.touches, self.trial, self.system
+
+    def _iterate(self, dt: float, enough: float) -> tuple[int, bool]:
+        """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
+        cap."""
+        mesh, parts = self.mesh, self._parts
         most, touches = self.settings.max_iterations, self.collisions.count
         if mesh.alone:
             made = conjugate_gradients.solve_alone(

@@ -230,6 +230,57 @@ def linearize(
 
 
 @ti.kernel
+def load_on(points: ti.i32, dt: ti.f64, factor: ti.f64, p: Points, load: Vectors, t: Trial):
+    """Let forces on points [N], times a factor, act in the step besides gravity."""
+    for i in range(points):
+        if p.mobile[i]:
+            t.aim[i] += factor * dt * dt / p.mass[i] * load[i]
+
+
+@ti.kernel
+def ask(points: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
+    """Begin to look for how points give way to forces [N] beside those there are; returns r.z."""
+    for i in range(points):
+        z, r = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
+        if p.mobile[i]:
+            r = load[i]
+            z = e.inverse[i] @ r
+        e.residual[i] = r
+        e.course[i] = z
+        e.answer[i] = vec3(0.0, 0.0, 0.0)
+        e.term[i] = r.dot(z)
+    for row in range(ROWS):
+        add_range(row, points, e.term)
+    ti.loop_config(serialize=True)
+    for _once in range(1):
+        total = add_ranges(points, e.term)
+        e.scalar[NOW] = total
+    return e.scalar[NOW]
+
+
+@ti.kernel
+def shift(points: ti.i32, factor: ti.f64, way: Vectors, place: Vectors):
+    """Move points on by a factor of these ways [m]."""
+    for i in range(points):
+        place[i] += factor * way[i]
+
+
+@ti.kernel
+def strike(points: ti.i32, dt: ti.f64, p: Points, load: Vectors):
+    """Change velocities by forces [N] that act for dt [s]."""
+    for i in range(points):
+        if p.mobile[i]:
+            p.velocity[i] += dt / p.mass[i] * load[i]
+
+
+@ti.kernel
+def speeds(points: ti.i32, dt: ti.f64, start: Vectors, place: Vectors, speed: Vectors):
+    """Velocities [m/s] that take points from where they start to where they are tried."""
+    for i in range(points):
+        speed[i] = (place[i] - start[i]) / dt
+
+
+@ti.kernel
 def move(points: ti.i32, share: ti.f64, t: Trial, e: System) -> ti.f64:
     """Try a share of the way found; returns how far the whole of it takes any point [m]."""
     longest = ti.cast(0.0, ti.f64)

@@ -14,6 +14,7 @@ from sim.cloth.measure import ClothMeasure, Meter
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.pins import Lead, find_pins
 from sim.cloth.place import put
+from sim.cloth.pull import pulls
 from sim.cloth.solids import Solids
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.cloth.state import ClothState
@@ -87,6 +88,7 @@ class ClothPart:
             solids.points,
         )
         self.solids = solids
+        self._gravity = np.asarray(gravity)
         self.collisions = self._collisions()
         if len(state.touch_key):
             limit, press, grip = state.touch_force[:, 0], state.touch_force[:, 1], state.touch_force[:, 2:]
@@ -94,6 +96,8 @@ class ClothPart:
         self._refuse_jumps(position, time)
         self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
         self._meter = Meter(self.mesh, gravity)
+        self.fluid_force = vectors(_fluid_force(sheets, state))
+        """On points, in the last step [N]."""
         self.stuck = 0
         """Pairs that came too near in the last step, since solids push them together."""
         self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
@@ -116,13 +120,21 @@ class ClothPart:
     def advance(self, dt: float, until: float, moved: np.ndarray | None = None) -> dict[str, float]:
         """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
         tells."""
+        self.aim(until, moved)
+        return self.note(self.integrator.advance(dt))
+
+    def aim(self, until: float, moved: np.ndarray | None = None) -> None:
+        """Say where held points are at the time `until` [s], and points of solids, which are `moved` [m] by then; and
+        find the drag of air."""
         if moved is not None:
             put(len(moved), self._solid_rows, vectors(moved), self.mesh.place)
         if self._leads:
             aims = np.concatenate([lead.at(until) for lead in self._leads])
             put(len(aims), self._led, vectors(aims), self.mesh.place)
         self.mesh.air.update(self.mesh)
-        told = self.integrator.advance(dt)
+
+    def note(self, told: dict[str, float]) -> dict[str, float]:
+        """Remember of what the integrator tells whether solids leave no room."""
         self.stuck = int(told.get("cloth_stuck", 0))
         return told
 
@@ -149,12 +161,21 @@ class ClothPart:
             known.weight.copy(),
             known.normal.copy(),
             np.column_stack([known.limit, known.press, known.grip]),
+            self.fluid_force.to_numpy()[:count],
         )
 
     def vertices(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Positions [m] and velocities [m/s] of one sheet's points, shape [n, 3]."""
         points, rows = self.mesh.points, self._rows[name]
         return points.position.to_numpy()[rows], points.velocity.to_numpy()[rows]
+
+    def pin_force(self, name: str) -> np.ndarray:
+        """Force of the pins on one sheet [N], shape [3], as if they did not accelerate."""
+        rows = self._rows[name]
+        held = self.mesh.held[rows]
+        weight = self.mesh.mass[rows, None] * self._gravity
+        force = pulls(self.mesh)[rows] + self.fluid_force.to_numpy()[rows] + weight
+        return -force[held].sum(axis=0)
 
     @property
     def bytes(self) -> int:
@@ -171,6 +192,12 @@ class ClothPart:
                     location=("cloth", "sheets", name, "pins"),
                     remedy="let its first keyframe have no offset, or give pins without keyframes",
                 )
+
+
+def _fluid_force(sheets: list[PlacedSheet], state: ClothState) -> np.ndarray:
+    count = sum(len(item.fabric.points) for item in sheets)
+    same = list(state.sheets) == [item.name for item in sheets] and len(state.fluid_force) == count
+    return state.fluid_force if same else np.zeros((count, 3))
 
 
 def _begin(item: PlacedSheet, state: ClothState) -> tuple[np.ndarray, np.ndarray]:

@@ -23,9 +23,11 @@ class ClothState:
     touch_normal: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     touch_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 5)))
     """Limits [m], and forces along the normal and across [N]."""
+    fluid_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """On points, in the last step [N]."""
 
     def without_contacts(self) -> ClothState:
-        return ClothState(self.sheets, self.position, self.velocity)
+        return ClothState(self.sheets, self.position, self.velocity, fluid_force=self.fluid_force)
 
     def of(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
         """Positions and velocities of one sheet, if it is there."""

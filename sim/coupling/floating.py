@@ -75,10 +75,25 @@ class Floating:
         self._weigh(self._here)
         self._aim()
         turning = np.einsum("nij,nj->ni", self._mobility, last[:, 3:])
-        self.expected = np.concatenate((last[:, :3] * self._inverse_mass, turning), axis=1)
+        self._expected = np.concatenate((last[:, :3] * self._inverse_mass, turning), axis=1)
         """Answers that bodies have been foreseen with."""
         self._found = np.zeros_like(last)
         self._ahead = True
+
+    def list(self) -> None:
+        self.reaction.list()
+
+    def expect(self, dt: float) -> None:
+        self.reaction.expect(dt, self._expected)
+
+    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+        if beside_expected:
+            self._last = self.reaction.answer_beside(ahead, self._expected)
+        else:
+            self.reaction.answer(ahead)
+
+    def press(self, ahead: float) -> None:
+        self._last = self.reaction.pressed(ahead)
 
     def slow(self, dt: float, change: np.ndarray) -> None:
         masses = np.linalg.inv(self._mobility)
@@ -88,13 +103,13 @@ class Floating:
         if self._ahead:
             self._shift(dt, change / dt)
         else:
-            self.kick(dt, wrench)
+            self._kick(dt, wrench)
 
-    def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
+    def take(self, dt: float) -> None:
+        wrench, answer = self._last
         self._found = self._found + wrench
-        self._last = wrench, answer
-        self._shift(dt, answer - self.expected)
-        self.expected = np.zeros_like(answer)
+        self._shift(dt, answer - self._expected)
+        self._expected = np.zeros_like(answer)
 
     def undo(self, dt: float) -> None:
         wrench, answer = self._last
@@ -114,9 +129,15 @@ class Floating:
 
     def strike(self, dt: float, momentum: Momentum) -> None:
         self._push(self.reaction.forces(momentum) + self._films())
-        self.kick(dt / 2, self.pushed)
+        self._kick(dt / 2, self.pushed)
 
-    def kick(self, dt: float, wrench: np.ndarray) -> None:
+    def nudge(self, dt: float) -> None:
+        self._kick(dt, self._last[0])
+
+    def hold_off(self, dt: float) -> None:
+        """Bodies are thick: pressure does."""
+
+    def _kick(self, dt: float, wrench: np.ndarray) -> None:
         impulse = np.zeros((self.rigid.count, 6))
         impulse[self._bodies] = dt * wrench
         self.rigid.kick(impulse[:, :3], impulse[:, 3:])

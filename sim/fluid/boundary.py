@@ -11,12 +11,13 @@ from sim.arrays import numpy_real, vec4
 from sim.neighbors import NeighborList, StaticGrid
 
 if TYPE_CHECKING:
-    from sim.fluid.moving import MovingSamples
+    from sim.fluid.moving import Listed, MovingSamples
     from sim.fluid.samples import Samples
+    from sim.fluid.sheets import SheetSamples
 
 
 class Boundary:
-    """Samples of surfaces: those that stand, in the order of their cells, then those that move.
+    """Samples of surfaces: those that stand, in the order of their cells, those of bodies that move, those of sheets.
 
     found: all of them; spacing [m] of the fluid;
     search_radius [m], at least the support radius, within which they are listed; pivots: own origin [m], shape [3], of
@@ -43,14 +44,10 @@ class Boundary:
         in_cells = np.concatenate((self.grid.order, np.arange(self.standing, self.count)))
         order = np.concatenate(groups)[in_cells]
         self.points, self.owner, self.volumes = points[order], owner[order], volumes[in_cells]
-        self.moves = self.count > self.standing
+        self.sheets: SheetSamples | None = None
         self.speed = 0.0
         """Of the fastest sample [m/s]."""
-        self.samples = ti.ndarray(vec4, max(self.count, 1))
-        if self.count:
-            self.samples.from_numpy(np.column_stack((self.points, self.volumes)).astype(numpy_real))
-        self.velocity = ti.ndarray(vec4, self.count if self.moves else 1)
-        self.velocity.fill(0)
+        self._allocate()
         self.neighbors = NeighborList(48)
         self.moving: MovingSamples | None = None
         if self.moves:
@@ -62,6 +59,25 @@ class Boundary:
                 self.standing, np.concatenate(arms), body, self.volumes[self.standing :], search_radius
             )
 
+    @property
+    def moves(self) -> bool:
+        return self.count > self.standing
+
+    def _allocate(self) -> None:
+        self.samples = ti.ndarray(vec4, max(self.count, 1))
+        if self.count:
+            table = np.zeros((self.count, 4), numpy_real)
+            table[: len(self.points)] = np.column_stack((self.points, self.volumes))
+            self.samples.from_numpy(table)
+        self.velocity = ti.ndarray(vec4, self.count if self.moves else 1)
+        self.velocity.fill(0)
+
+    def attach(self, sheets: SheetSamples) -> None:
+        """Let these be the samples of sheets, in place of those there were; `move` brings all to where they are."""
+        self.sheets = sheets
+        self.count = len(self.points) + sheets.count
+        self._allocate()
+
     def aim(self, motions: np.ndarray) -> None:
         """Say how bodies will have moved after the next `move`: a row of MOTION numbers for each, in the order of the
         pivots, relative to the world's origin."""
@@ -69,32 +85,45 @@ class Boundary:
 
     def move(self) -> None:
         """Bring the samples that move to where they were aimed at; neighbours are to be listed anew."""
-        if self.moves:
+        self.speed = 0.0
+        if self.moving:
             self.moving.move(self.motions, self.samples, self.velocity)
             self.speed = self.moving.fastest(self.motions)
+        if self.sheets:
+            self.speed = max(self.speed, self.sheets.move(self.samples, self.velocity))
 
     def find_neighbors(self, position: ti.Ndarray, count: int) -> None:
         """List the samples near each of `count` particles."""
         if self.standing:
             self.neighbors.build(position, count, self.grid, self.samples, same=False)
-        if self.moves and count:
-            self.moving.find(position, count)
+        if not count:
+            return
+        fresh = not self.standing
+        for listed in self._listed:
+            listed.find(position, count)
             self.neighbors.reserve(count)
-            longest = self.moving.append(count, self.neighbors, fresh=not self.standing)
+            longest = listed.append(position, count, self.neighbors, fresh=fresh)
             if longest > self.neighbors.capacity:
                 self.neighbors.grow(longest)
                 self.find_neighbors(position, count)
+                return
+            fresh = False
+
+    @property
+    def _listed(self) -> list[Listed]:
+        return [item for item in (self.moving, self.sheets) if item]
 
     def of_body(self, owner: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The samples of one body: positions [m] and velocities [m/s], shape [n, 3], and weighted volumes [m^3]."""
         which = self.owner == owner
         if not (self.moves and which[self.standing :].any()):
             return self.points[which], np.zeros((np.count_nonzero(which), 3)), self.volumes[which]
-        position, velocity = (array.to_numpy()[which, :3].astype(np.float64) for array in (self.samples, self.velocity))
+        rows = np.flatnonzero(which)
+        position, velocity = (array.to_numpy()[rows, :3].astype(np.float64) for array in (self.samples, self.velocity))
         return position, velocity, self.volumes[which]
 
     @property
     def bytes(self) -> int:
         table = 4 * np.dtype(numpy_real).itemsize * self.count
         own = table + self.grid.bytes + self.neighbors.bytes
-        return own + (table + self.moving.bytes if self.moves else 0)
+        return own + (table if self.moves else 0) + sum(listed.bytes for listed in self._listed)

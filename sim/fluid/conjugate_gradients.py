@@ -13,7 +13,6 @@ Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm
 
 from dataclasses import dataclass
 
-import numpy as np
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
@@ -56,8 +55,6 @@ class ConjugateGradients:
         self.worst = WORST * system.spec.rest_density
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
-        self.pressed: tuple[np.ndarray, np.ndarray]
-        """Of the last solve, the wrenches on bodies that the fluid moves, and their answers (`sim.fluid.reaction`)."""
 
     def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool, ahead: float) -> Solution:
         """Find pressures that leave no more than `tolerance` [kg/m^3] of mean compression, and push by them: their
@@ -89,14 +86,14 @@ class ConjugateGradients:
         for iteration in range(1, most + 1):
             if system.bodies:
                 self._iterate(PUSH, dt, first=iteration == 1)
-                system.bodies.reaction.answer(ahead)
+                system.bodies.answer(ahead)
                 mean, worst = self._iterate(DESCEND, dt, first=iteration == 1)
             else:
                 mean, worst = self._iterate(WHOLE, dt, first=iteration == 1)
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
         if system.bodies:
-            self.pressed = system.bodies.reaction.pressed(ahead)
+            system.bodies.press(ahead)
         push = _finish(
             system.count,
             dt,

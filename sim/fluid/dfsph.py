@@ -27,7 +27,7 @@ class Dfsph(Iisph):
         solution = self.gradients.solve(dt, tolerance, 0, settings.max_iterations, warm=False, ahead=0.0)
         if solution.iterations:
             if self.system.bodies:
-                self.system.bodies.kick(dt, self.gradients.pressed[0])
+                self.system.bodies.nudge(dt)
             self.system.lead()
             self.examine(dt)
             if self.system.boundary.count:

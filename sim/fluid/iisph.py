@@ -51,12 +51,12 @@ class Iisph(Incompressible):
         tolerance = settings.density_error * system.spec.rest_density
         self.projection.predict(dt)
         if system.bodies:
-            system.bodies.reaction.expect(dt, system.bodies.expected)
+            system.bodies.expect(dt)
         solution = self.gradients.solve(
             dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True, ahead=dt
         )
         if system.bodies:
-            system.bodies.take(dt, *self.gradients.pressed)
+            system.bodies.take(dt)
         if system.boundary.count:
             remember_way(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
@@ -84,7 +84,7 @@ class Iisph(Incompressible):
             solution = self.gradients.solve(dt, tolerance, 1, most - iterations, warm=False, ahead=dt)
             self._take(dt, 1.0)
             if self.system.bodies:
-                self.system.bodies.take(dt, *self.gradients.pressed)
+                self.system.bodies.take(dt)
             iterations, capped = iterations + solution.iterations, solution.capped
         return {"pressure_iterations": iterations, "capped": capped}
 

@@ -81,6 +81,8 @@ class Incompressible:
             told |= system.bodies.settle(dt)
             system.boundary.move()
         _move(system.count, dt, particles.position, particles.velocity)
+        if system.bodies:
+            system.bodies.hold_off(dt)
         system.exchange(dt)
         system.find_neighbors()
         self.examine(dt)

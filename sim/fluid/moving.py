@@ -1,4 +1,4 @@
-"""Boundary samples of bodies that move: carried along on the device, and listed beside those that stand."""
+"""Boundary samples that move: carried along on the device, and listed beside those that stand."""
 
 import numpy as np
 import taichi as ti
@@ -10,19 +10,63 @@ MOTION = 18
 """Numbers that say how a body moves: rotation (9, by rows), position, velocity and angular velocity (3 each)."""
 
 
-class MovingSamples:
-    """Samples that follow their bodies; they lie behind `first` others in the arrays that they are written to.
+class Listed:
+    """Samples that move, and lie behind `first` others in the arrays that they are written to; `here` has their
+    positions [m] and weighted volumes [m^3]. radius [m] within which they are listed.
+
+    faced: whether each is for the particles beyond a plane alone, which is in `facing`: its unit normal, and its
+    distance from the origin [m].
+    """
+
+    def __init__(self, first: int, count: int, radius: float, *, faced: bool = False):
+        self.first, self.count = first, count
+        self.grid = HashGrid(count, radius)
+        self.near = NeighborList(48)
+        self.here, self.sorted = (ti.ndarray(vec4, max(count, 1)) for _ in range(2))
+        self.faced = faced
+        self.facing = ti.ndarray(vec4, count if faced else 1)
+
+    def find(self, position: ti.Ndarray, count: int) -> None:
+        """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
+        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self.sorted)
+        self.near.build(position, count, self.grid, self.sorted, same=False)
+
+    def append(self, position: ti.Ndarray, count: int, lists: NeighborList, *, fresh: bool) -> int:
+        """Add what `find` has listed to the lists of others, or begin them where `fresh`.
+
+        Returns the room that the longest needs; lists are whole where that is at most their capacity.
+        """
+        return _append(
+            count,
+            self.first,
+            position,
+            self.grid.order,
+            self.near.size,
+            self.near.index,
+            self.faced,
+            self.facing,
+            fresh,
+            lists.capacity,
+            lists.size,
+            lists.index,
+        )
+
+    @property
+    def bytes(self) -> int:
+        tables = 2 * self.count + self.facing.shape[0]
+        return 4 * np.dtype(numpy_real).itemsize * tables + self.grid.bytes + self.near.bytes
+
+
+class MovingSamples(Listed):
+    """Samples that follow their bodies.
 
     arms: where they are from their body's own origin as placed [m], shape [n, 3]; body: which row of the motions is
-    theirs, shape [n]; volumes: weighted [m^3], shape [n]; radius [m] within which they are listed.
+    theirs, shape [n]; volumes: weighted [m^3], shape [n].
     """
 
     def __init__(self, first: int, arms: np.ndarray, body: np.ndarray, volumes: np.ndarray, radius: float):
-        self.first = first
-        self.count = len(arms)
+        super().__init__(first, len(arms), radius)
         self.arms, self.body = arms, body
-        self.grid = HashGrid(self.count, radius)
-        self.near = NeighborList(48)
         bodies = int(body.max()) + 1
         self.reach = np.zeros(bodies)
         np.maximum.at(self.reach, body, np.linalg.norm(arms, axis=1))
@@ -31,8 +75,6 @@ class MovingSamples:
         self._body = ti.ndarray(ti.i32, self.count)
         self._body.from_numpy(body.astype(np.int32))
         self._motions = ti.ndarray(ti.f64, (bodies, MOTION))
-        self.here = ti.ndarray(vec4, self.count)
-        self.sorted = ti.ndarray(vec4, self.count)
 
     def fastest(self, motions: np.ndarray) -> float:
         """The greatest speed [m/s] of a sample, from the motions of all bodies, shape [bodies, MOTION]."""
@@ -47,31 +89,9 @@ class MovingSamples:
         self._motions.from_numpy(motions)
         _move(self.count, self.first, self._arms, self._body, self._motions, self.here, samples, velocity)
 
-    def find(self, position: ti.Ndarray, count: int) -> None:
-        """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
-        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self.sorted)
-        self.near.build(position, count, self.grid, self.sorted, same=False)
-
-    def append(self, count: int, lists: NeighborList, *, fresh: bool) -> int:
-        """Add what `find` has listed to the lists of others, or begin them where `fresh`.
-
-        Returns the room that the longest needs; lists are whole where that is at most their capacity.
-        """
-        return _append(
-            count,
-            self.first,
-            self.grid.order,
-            self.near.size,
-            self.near.index,
-            fresh,
-            lists.capacity,
-            lists.size,
-            lists.index,
-        )
-
     @property
     def bytes(self) -> int:
-        return (12 * np.dtype(numpy_real).itemsize + 4) * self.count + self.grid.bytes + self.near.bytes
+        return super().bytes + (4 * np.dtype(numpy_real).itemsize + 4) * self.count
 
 
 @ti.kernel
@@ -110,9 +130,12 @@ def _arrange(count: ti.i32, order: IntArray, source: Vec4Array, target: Vec4Arra
 def _append(
     count: ti.i32,
     first: ti.i32,
+    position: Vec4Array,
     order: IntArray,
     near_size: IntArray,
     near_index: IntTable,
+    faced: ti.template(),
+    facing: Vec4Array,
     fresh: ti.template(),
     capacity: ti.i32,
     size: IntArray,
@@ -123,10 +146,25 @@ def _append(
         begin = 0
         if ti.static(not fresh):
             begin = size[i]
-        end = begin + near_size[i]
+        end = begin
+        for k in range(near_size[i]):
+            sample = order[near_index[i, k]]
+            if ti.static(not faced):
+                if end < capacity:
+                    index[i, end] = first + sample
+                end += 1
+            else:
+                if beyond(facing[sample], position[i]):
+                    if end < capacity:
+                        index[i, end] = first + sample
+                    end += 1
         if end <= capacity:
-            for k in range(begin, end):
-                index[i, k] = first + order[near_index[i, k - begin]]
             size[i] = end
         ti.atomic_max(longest, end)
     return longest
+
+
+@ti.func
+def beyond(plane: vec4, point: vec4) -> ti.i32:
+    """Whether a point is on the side of a plane that its normal points to."""
+    return ti.cast(plane.xyz.dot(point.xyz) > plane.w, ti.i32)

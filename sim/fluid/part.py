@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.walls import Walls
 from sim.settings import Refused
+
+if TYPE_CHECKING:
+    from sim.fluid.sheets import SheetSamples
 
 START_CLEARANCE = 0.45
 """Fluid starts at least this many spacings off every solid."""
@@ -63,12 +67,14 @@ class Surroundings:
     """What the fluid meets: walls and boundary samples in world coordinates [m].
 
     planes: unit normal and offset, shape [m, 4]; pivots: by index the own origins, shape [3], of bodies
-    that move, whose samples are where the bodies are placed.
+    that move, whose samples are where the bodies are placed; sheets: makes samples of sheets that lie behind so many
+    others and are listed within a radius [m].
     """
 
     planes: np.ndarray
     samples: Samples
     pivots: dict[int, np.ndarray]
+    sheets: Callable[[int, float], SheetSamples] | None = None
 
 
 def pour(
@@ -139,12 +145,14 @@ class FluidPart:
         reach = h * (1 + solver.SKIN)
         pivots = {index: pivot - origin for index, pivot in surroundings.pivots.items()}
         boundary = Boundary(surroundings.samples.moved(-origin), fluid.spacing, h, reach, pivots)
+        if surroundings.sheets:
+            boundary.attach(surroundings.sheets(boundary.count, reach))
         walls = Walls(planes, fluid.spacing, h)
         self.origin = origin
         self.gravity = gravity
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
         signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
-        implicit = viscosity_is_implicit(fluid, gravity, signal)
+        implicit = not surroundings.sheets and viscosity_is_implicit(fluid, gravity, signal)
         arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
         if boundary.count:
             arrays += solver.SAMPLE_ARRAYS

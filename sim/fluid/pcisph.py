@@ -65,14 +65,14 @@ class Pcisph(Incompressible):
         for iteration in range(1, settings.max_iterations + 1):
             _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
             if bodies:
-                pressed = bodies.reaction.answer_beside(dt, bodies.expected)
+                bodies.answer(dt, beside_expected=True)
             mean, worst = self._compress(dt, fresh=iteration == 1)
             good = mean <= tolerance and worst <= worst_allowed
             if good and iteration >= settings.min_iterations:
                 break
             self._raise(dt)
         if bodies:
-            bodies.take(dt, *pressed)
+            bodies.take(dt)
         kick(system.count, dt, particles.velocity, particles.push)
         if system.boundary.count:
             remember_way(system.count, dt, particles.push, particles.pressed)

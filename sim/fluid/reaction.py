@@ -37,7 +37,7 @@ class Reaction:
         self.count = len(rows)
         self.near = NeighborList(48)
         moving = system.boundary.moving
-        body_of = np.full(system.boundary.count, -1, dtype=np.int32)
+        body_of = np.full(len(system.boundary.points), -1, dtype=np.int32)
         chunks, ends = [], [0]
         for body, row in enumerate(rows):
             mine = moving.first + np.flatnonzero(moving.body == row)

@@ -16,7 +16,6 @@ from sim.neighbors import HashGrid, NeighborList
 
 if TYPE_CHECKING:
     from sim.fluid.momentum import Momentum
-    from sim.fluid.reaction import Reaction
 
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
@@ -57,43 +56,59 @@ class Exchange(Protocol):
 
 
 class Bodies(Protocol):
-    """Bodies that the fluid moves, as solvers talk with them in the course of a step dt [s].
+    """What the fluid moves, bodies or cloth, as solvers talk with it in the course of a step dt [s]."""
 
-    Wrenches and answers to them are those of `sim.fluid.reaction`.
-    """
-
-    reaction: "Reaction"
     lightness: float
-    """Mass of the fluid's layer around a body over its own, of the lightest (`sim.coupling.lightness`)."""
-    expected: np.ndarray
-    """Answers to the pressures of the last step, with which bodies have been foreseen."""
+    """Mass of the fluid's layer around it over its own, where it is lightest."""
+
+    def list(self) -> None:
+        """List the particles near each sample, as the particles' lists are made."""
 
     def hear(self, momentum: "Momentum") -> None:
         """Note the forces that positions and velocities give, to act in the step."""
 
     def foresee(self, dt: float) -> None:
-        """Aim where bodies will be after the step, by what is known before its pressures."""
+        """Bring samples to where they will be after the step, by what is known before its pressures."""
+
+    def expect(self, dt: float) -> None:
+        """Take from the source of the pressures what has been foreseen by those of the last step."""
+
+    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+        """Find what gives way to the pressures in position.w, and leave in push.w by how much that lowers the second
+        derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be `ahead` [s].
+        `beside_expected`: but for what has been foreseen."""
+
+    def press(self, ahead: float) -> None:
+        """Note the forces of the pressures found, which are in search.x."""
 
     def slow(self, dt: float, change: np.ndarray) -> None:
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""
 
-    def take(self, dt: float, wrench: np.ndarray, answer: np.ndarray) -> None:
-        """Take pressures that act in the step, and move samples to where they take the bodies."""
+    def take(self, dt: float) -> None:
+        """Let the forces noted last act in the step, and move samples to where they take them."""
 
     def undo(self, dt: float) -> None:
         """Take back what was taken last."""
 
     def settle(self, dt: float) -> dict[str, float]:
-        """Make the step with what was noted and taken, and aim where bodies are then; returns its statistics."""
+        """Make the step with what was noted and taken, and bring samples to where they are then; returns its
+        statistics."""
 
-    def kick(self, dt: float, wrench: np.ndarray) -> None:
-        """Change velocities by a wrench for the whole step at once."""
+    def nudge(self, dt: float) -> None:
+        """Change velocities at once by the forces noted last, for the whole step."""
 
     def drift(self, dt: float) -> dict[str, float]:
-        """Make the step with half of the last forces, and aim where bodies are then; returns its statistics."""
+        """Make the step with half of the last forces, and bring samples to where they are then; returns its
+        statistics."""
 
     def strike(self, dt: float, momentum: "Momentum") -> None:
         """Change velocities by half of the forces that positions and velocities give now, and remember them."""
+
+    def hold_off(self, dt: float) -> None:
+        """Keep particles that have gone dt [s] with their velocities on their side of what is thin."""
+
+    @property
+    def bytes(self) -> int: ...
 
 
 class FluidSystem:
@@ -200,7 +215,7 @@ class FluidSystem:
                 self.find_neighbors()
                 return
         if self.bodies:
-            self.bodies.reaction.list()
+            self.bodies.list()
 
     def measure(self, way: float, speed_limit: float, level: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
@@ -246,7 +261,7 @@ class FluidSystem:
     @property
     def bytes(self) -> int:
         own = self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
-        return own + (self.bodies.reaction.bytes if self.bodies else 0)
+        return own + (self.bodies.bytes if self.bodies else 0)
 
 
 @ti.kernel

@@ -62,7 +62,10 @@ class Wcsph:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
         particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
-        told = self.system.bodies.drift(dt) if self.system.bodies else {}
+        told = {}
+        if self.system.bodies:
+            told = self.system.bodies.drift(dt)
+            self.system.bodies.hold_off(dt)
         boundary.move()
         way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         self.system.exchange(dt)

@@ -1,0 +1,201 @@
+"""Cloth that fluid moves: what passes between the two in the course of a step.
+
+Pressures that are looked for move the cloth, too. With the forces J q of the pressures q = p / rho^2 on its points, it
+gives way by A^-1 J q, where A is the matrix of Newton's method for the step (`sim.cloth.newton`), springs, contacts and
+all, and compresses the fluid by J^T A^-1 J q less. So the cloth is part of the system of equations of
+`sim.fluid.projection`, which stays symmetric: a cloth as light as a feather or as stiff as a board asks for no shorter
+step, where taking turns would throw the two back and forth (Causin, Gerbeau and Nobile 2005).
+
+Solvers that look for pressures ask three times. The cloth steps with the forces of the last step's pressures; those
+found act in place of them, by A; and the step is made with these, by Newton's method. Where pressures follow from
+positions (WCSPH), the cloth steps with half of the forces before it and half of those after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import taichi as ti
+import trimesh
+
+from sim.cloth import newton
+from sim.cloth.part import ClothPart, PlacedSheet
+from sim.cloth.state import ClothState
+from sim.cloth.tables import vectors
+from sim.coupling.tightness import Tightness
+from sim.fluid.momentum import Momentum
+from sim.fluid.reaction_sums import expect
+from sim.fluid.sheets import Pattern, SheetReaction, SheetSamples, find_cuts
+from sim.fluid.spec import Fluid
+from sim.fluid.system import FluidSystem
+from sim.geometry.distance import MeshDistance
+
+
+def sheet_samples(
+    cloth: ClothPart, fluid: Fluid, origin: np.ndarray, body: int
+) -> Callable[[int, float], SheetSamples]:
+    """What makes samples of the cloth where it is, behind so many others and listed within a radius [m]."""
+
+    def make(first: int, radius: float) -> SheetSamples:
+        mesh = cloth.mesh
+        now = mesh.points.position.to_numpy()
+        cuts = find_cuts(mesh.triangles, mesh.placed, now, fluid.spacing)
+        pattern = Pattern.of(mesh.triangles, cuts)
+        samples = SheetSamples(first, pattern, mesh.count, fluid.spacing, fluid.support_radius, radius, origin, body)
+        samples.place, samples.speed = mesh.points.position, mesh.points.velocity
+        return samples
+
+    return make
+
+
+def off_sheets(sheets: list[PlacedSheet], state: ClothState | None, points: np.ndarray, clearance: float) -> np.ndarray:
+    """Whether `points` [m], shape [n, 3], are `clearance` [m] off all sheets where they are; shape [n]."""
+    free = np.ones(len(points), dtype=bool)
+    for item in sheets:
+        now = state.of(item.name) if state else None
+        places = item.fabric.points if now is None else now[0]
+        surface = trimesh.Trimesh(places, item.fabric.triangles, process=False)
+        free[free] = MeshDistance(surface).unsigned(points[free]) > clearance
+    return free
+
+
+class WetCloth:
+    """The cloth of a scene, as `system.bodies` or a part of them.
+
+    make: samples of the cloth where it is; solids: where points of solids will be after the step [m], or None where
+    none moves; alone: whether nothing else is moved by the fluid.
+    """
+
+    def __init__(
+        self,
+        cloth: ClothPart,
+        system: FluidSystem,
+        make: Callable[[int, float], SheetSamples],
+        origin: np.ndarray,
+        solids: Callable[[], np.ndarray | None],
+        *,
+        alone: bool,
+    ):
+        self.cloth, self.system = cloth, system
+        self._make, self._solids, self._alone = make, solids, alone
+        self._integrator = cloth.integrator
+        self.reaction = SheetReaction(system)
+        layer = system.spec.rest_density * system.spec.spacing
+        self.lightness = layer / min(item.sheet.mass_per_area for item in cloth.sheets)
+        self.tightness = Tightness(cloth, system, origin)
+        n = cloth.mesh.count
+        self._steady, self._load, self._found, self._pressed = (vectors(np.zeros((n, 3))) for _ in range(4))
+        self._way, self._expected, self._speed = (vectors(np.zeros((n, 3))) for _ in range(3))
+        self._until = 0.0
+
+    def begin(self, until: float) -> None:
+        """A step to the time `until` [s] begins."""
+        self._until = until
+
+    def begin_frame(self) -> bool:
+        """Lay samples anew where the cloth has stretched; returns whether it has."""
+        boundary = self.system.boundary
+        now = self._make(boundary.sheets.first, boundary.sheets.grid.radius)
+        if np.array_equal(now.pattern.weights, boundary.sheets.pattern.weights):
+            return False
+        boundary.attach(now)
+        boundary.move()
+        return True
+
+    def list(self) -> None:
+        self.reaction.list()
+
+    def hear(self, momentum: Momentum) -> None:
+        self.reaction.forces(momentum, self._steady)
+
+    def foresee(self, dt: float) -> None:
+        self._dt = dt
+        last = self.cloth.fluid_force
+        self.cloth.aim(self._until, self._solids())
+        self._sum(self._load, self._steady, last)
+        self._integrator.foresee(dt, self._load)
+        self._integrator.linearize(dt)
+        self._expected.copy_from(self._integrator.give_way(dt, last))
+        self._found.fill(0.0)
+        self._pose()
+
+    def expect(self, dt: float) -> None:
+        particles = self.system.particles
+        self.reaction.give_way(dt, self._expected, dt * dt, fresh=True)
+        expect(self.system.count, dt, particles.push, particles.source)
+
+    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+        self.reaction.pressures(ahead, self._pressed, found=False)
+        way = self._integrator.give_way(self._dt, self._pressed)
+        self.reaction.give_way(ahead, way, self._dt**2, fresh=self._alone)
+
+    def press(self, ahead: float) -> None:
+        self.reaction.pressures(ahead, self._pressed, found=True)
+        self._way.copy_from(self._integrator.give_way(self._dt, self._pressed))
+
+    def slow(self, dt: float, change: np.ndarray) -> None:
+        """Implicit viscosity is refused beside cloth."""
+
+    def take(self, dt: float) -> None:
+        self._sum(self._found, self._found, self._pressed)
+        self._shift(self._way, 1.0)
+        self._shift(self._expected, -1.0)
+        self._expected.fill(0.0)
+        self._pose()
+
+    def undo(self, dt: float) -> None:
+        newton.shift(self.cloth.mesh.count, -1.0, self._pressed, self._found)
+        self._shift(self._way, -1.0)
+        self._pose()
+
+    def settle(self, dt: float) -> dict[str, float]:
+        self._load.copy_from(self._found)
+        newton.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
+        self.cloth.aim(self._until, self._solids())
+        self._integrator.change(dt, self._load, 1.0)
+        self.cloth.fluid_force.copy_from(self._found)
+        return self._finish(dt)
+
+    def nudge(self, dt: float) -> None:
+        newton.shift(self.cloth.mesh.count, 1.0 / dt, self._way, self.cloth.mesh.points.velocity)
+        self.system.boundary.move()
+
+    def drift(self, dt: float) -> dict[str, float]:
+        self._load.fill(0.0)
+        newton.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
+        self.cloth.aim(self._until, self._solids())
+        self._integrator.foresee(dt, self._load)
+        return self._finish(dt)
+
+    def strike(self, dt: float, momentum: Momentum) -> None:
+        self.reaction.forces(momentum, self.cloth.fluid_force)
+        newton.strike(self.cloth.mesh.count, dt / 2, self.cloth.mesh.points, self.cloth.fluid_force)
+        self.system.boundary.move()
+
+    def hold_off(self, dt: float) -> None:
+        self.tightness.keep(dt)
+
+    def _finish(self, dt: float) -> dict[str, float]:
+        told = self.cloth.note(self._integrator.settle(dt))
+        points, sheets = self.cloth.mesh.points, self.system.boundary.sheets
+        sheets.place, sheets.speed = points.position, points.velocity
+        return told
+
+    def _shift(self, way: ti.Ndarray, factor: float) -> None:
+        newton.shift(self.cloth.mesh.count, factor, way, self._integrator.trial.place)
+
+    def _sum(self, out: ti.Ndarray, one: ti.Ndarray, other: ti.Ndarray) -> None:
+        out.copy_from(one)
+        newton.shift(self.cloth.mesh.count, 1.0, other, out)
+
+    def _pose(self) -> None:
+        """Bring samples to where the cloth is foreseen to be after the step."""
+        trial, boundary = self._integrator.trial, self.system.boundary
+        newton.speeds(self.cloth.mesh.count, self._dt, trial.start, trial.place, self._speed)
+        boundary.sheets.place, boundary.sheets.speed = trial.place, self._speed
+        boundary.move()
+
+    @property
+    def bytes(self) -> int:
+        return self.reaction.bytes + 7 * 24 * self.cloth.mesh.count
