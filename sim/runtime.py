@@ -7,7 +7,7 @@ import io
 import os
 import sys
 
-from sim import compilation
+from sim import compilation, launching
 from sim.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -47,6 +47,9 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     log_level=ti.ERROR,
                 )
             compilation.watch()
+            launching.forget()
+            if device == "cpu":
+                launching.install()
             _running = wanted
     return device
 
