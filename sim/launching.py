@@ -82,7 +82,7 @@ def _key(kernel: Any, args: tuple) -> tuple | None:
     found: list[object] = [id(kernel)]
     for kind, arg in zip(kinds, args, strict=True):
         if kind in (ARRAY, PACK):
-            if not isinstance(arg, _ours()):
+            if not isinstance(arg, _held()) or not _lies_whole(arg):
                 return None
             found.append(id(arg))
         elif kind == TEMPLATE:
@@ -106,11 +106,18 @@ def _numbers() -> tuple[type, ...]:
 
 
 @functools.cache
-def _ours() -> tuple[type, ...]:
+def _held() -> tuple[type, ...]:
+    """Types of arguments that stay where they are."""
+    import numpy as np
     from taichi.lang._ndarray import Ndarray
     from taichi.lang.argpack import ArgPack
 
-    return Ndarray, ArgPack
+    return Ndarray, ArgPack, np.ndarray
+
+
+def _lies_whole(arg: Any) -> bool:
+    """Whether Taichi would not copy an array first."""
+    return not hasattr(arg, "flags") or arg.flags.c_contiguous
 
 
 @functools.cache
@@ -156,7 +163,7 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
         index = (place,)
         place += 1
         if kind == ARRAY:
-            _point(program, context, index, arg)
+            _point(program, context, index, arg, kernel.arguments[position].annotation)
         elif kind == PACK:
             context.set_arg_argpack(index, arg._ArgPack__argpack)
             arrays += _members(arg)
@@ -167,29 +174,34 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
             numbers.append((position, _setter(context, kind, index)))
         if kind in (ARRAY, PACK):
             alive.append(weakref.ref(arg, lambda _: _packed.pop(key, None)))
-    for offset, array in enumerate(arrays):
-        _point(program, context, (place + offset,), array)
+    for offset, (array, needed) in enumerate(arrays):
+        _point(program, context, (place + offset,), array, needed)
     data = program.compile_kernel(program.config(), program.get_device_caps(), compiled)
     return Packed(
         functools.partial(program.launch_kernel, data, context), tuple(numbers), _teller(kernel, context), tuple(alive)
     )
 
 
-def _members(pack: Any) -> list[Any]:
-    """All arrays of an argument pack, in order."""
+def _members(pack: Any) -> list[tuple[Any, Any]]:
+    """All arrays of an argument pack and what is needed of them, in order."""
     found = []
-    for _, member in pack.items:
-        if isinstance(member, _ours()):
-            found += [member] if hasattr(member, "arr") else _members(member)
+    for (_, member), needed in zip(pack.items, pack._annotations, strict=True):
+        if hasattr(member, "_ArgPack__argpack"):
+            found += _members(member)
+        elif isinstance(member, _held()):
+            found.append((member, needed))
     return found
 
 
-def _point(program: Any, context: Any, index: tuple[int, ...], array: Any) -> None:
+def _point(program: Any, context: Any, index: tuple[int, ...], array: Any, needed: Any) -> None:
     """Let an argument be where the array has its numbers."""
-    whole = array.arr
-    context.set_arg_external_array_with_shape(
-        index, program.get_ndarray_data_ptr_as_int(whole), whole.nelement() * whole.element_size(), array.shape, 0
-    )
+    if hasattr(array, "arr"):
+        whole = array.arr
+        start, size = program.get_ndarray_data_ptr_as_int(whole), whole.nelement() * whole.element_size()
+        context.set_arg_external_array_with_shape(index, start, size, array.shape, 0)
+    else:
+        shape = array.shape[: array.ndim - getattr(needed.dtype, "ndim", 0)]
+        context.set_arg_external_array_with_shape(index, int(array.ctypes.data), array.nbytes, shape, 0)
 
 
 def _setter(context: Any, kind: int, index: tuple[int, ...]) -> Callable[[Any], None]:
