@@ -54,10 +54,11 @@ EVENTS = {
         "the motion of 'ball' can not be changed by an event",
     ),
     "cloth": (
-        "- {at: 0.1, add: {cloth: {b: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}}",
+        "- {at: 0.1, add: {cloth: {b: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}, "
+        "set: {fluid.viscosity_solver: implicit}}",
         "- {",
         "events.0",
-        "cloth and fluid do not meet yet",
+        "cloth does not meet fluid whose viscosity is implicit yet",
     ),
     "no room": (
         "- {at: 0.1, add: {fluid: {b: {shape: {type: sphere, radius: 0.1}, position: [9, 9, 9]}}}}",

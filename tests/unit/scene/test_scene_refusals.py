@@ -163,10 +163,10 @@ ADDED = {
     "section is a list": ("surface: [1]", "surface", "must be a group of settings"),
     "section is nothing": ("render:", "render", "must be a group of settings, got nothing"),
     "cloth": (
-        "cloth: {sheets: {flag: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}",
-        "cloth",
-        "cloth and fluid do not meet yet",
-        "remove",
+        "cloth: {integrator: xpbd, sheets: {flag: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}",
+        "cloth.integrator",
+        "cloth meets fluid and solids with implicit_euler only, not with xpbd yet",
+        "implicit_euler",
     ),
     "probe of a vertex": (
         "probes: {p: {type: vertex, sheet: ball, vertex: 3}}",

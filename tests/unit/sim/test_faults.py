@@ -34,6 +34,7 @@ def world(limit=1e-3, solver="wcsph", **step):
         spec=spec,
         rigid=None,
         cloth=None,
+        wet_cloth=None,
         fluid=SimpleNamespace(count=5, fastest_signal=20.0),
         step_limit=lambda measure: limit,
         limiting_term=lambda measure: ("the viscosity", "use less"),

@@ -1,0 +1,64 @@
+"""Cloth in water: what tests of the two share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from plyfile import PlyData
+
+from tests.particles import positions, read_frame, velocities
+
+RHO, G, D = 1000.0, 9.81, 0.025
+
+
+def scene(solver: str, water: dict[str, Any], sheet: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """One body of water and one sheet."""
+    fluid = {"solver": solver, "particle_radius": D / 2, "bodies": {"water": water}}
+    cloth = {"max_step": 0.004, "sheets": {"sheet": sheet}} | more.pop("cloth", {})
+    return {"fps": 100, "fluid": fluid, "cloth": cloth} | more
+
+
+def particle_mass() -> float:
+    from sim.fluid import kernel
+
+    return kernel.particle_mass(D, 2 * D, RHO)
+
+
+def read_sheet(out: Path, frame: int, name: str = "sheet") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points [m], velocities [m/s] and triangles of a sheet."""
+    data = PlyData.read(out / f"cloth_{name}_{frame:05d}.ply")
+    points = data["vertex"].data
+    triangles = np.vstack(data["face"].data["vertex_indices"])
+    return positions(points), velocities(points), triangles
+
+
+def point_masses(points: np.ndarray, mass_per_area: float) -> np.ndarray:
+    """Of a sheet that lies flat as placed: of half a cell to each side that there is [kg]."""
+    width = 1.0
+    for axis in (0, 2):
+        lines = np.unique(points[:, axis].round(9))
+        halves = np.gradient(lines)
+        halves[[0, -1]] /= 2
+        width = width * halves[np.searchsorted(lines, points[:, axis].round(9))]
+    return mass_per_area * width
+
+
+def below(water: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> int:
+    """How many particles [m], shape [n, 3], are under a sheet: within its outline, as seen from above, and lower than
+    all of it there."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    number = 0
+    for x, y, z in water:
+        across = (b[:, 0] - a[:, 0]) * (c[:, 2] - a[:, 2]) - (b[:, 2] - a[:, 2]) * (c[:, 0] - a[:, 0])
+        v = ((x - a[:, 0]) * (c[:, 2] - a[:, 2]) - (z - a[:, 2]) * (c[:, 0] - a[:, 0])) / across
+        w = ((b[:, 0] - a[:, 0]) * (z - a[:, 2]) - (b[:, 2] - a[:, 2]) * (x - a[:, 0])) / across
+        over = (v >= 0) & (w >= 0) & (v + w <= 1)
+        heights = (a + v[:, None] * (b - a) + w[:, None] * (c - a))[over, 1]
+        number += bool(len(heights)) and y < heights.min()
+    return number
+
+
+def water_at(out: Path, frame: int) -> np.ndarray:
+    return positions(read_frame(out, frame))
