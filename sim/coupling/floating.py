@@ -156,6 +156,10 @@ class Floating:
         """What the fluid does to the bodies: wrenches."""
         return np.concatenate((self.rigid.fluid_force, self.rigid.fluid_torque), axis=1)[self._bodies]
 
+    @property
+    def bytes(self) -> int:
+        return self.reaction.bytes
+
     def _films(self) -> np.ndarray:
         """Wrenches of the films between solids that are near each other."""
         if not self.system.count or not len(self.rigid.near(self.film.reach)):

@@ -38,6 +38,7 @@ class Squeezed:
             self._keep = ti.ndarray(ti.i32, particles.capacity)
         found = _find(
             count,
+            len(boundary.points),
             self.h,
             self.crowd,
             particles.position,
@@ -59,6 +60,7 @@ class Squeezed:
 @ti.kernel
 def _find(
     count: ti.i32,
+    last: ti.i32,
     h: real,
     crowd: real,
     position: Vec4Array,
@@ -71,7 +73,8 @@ def _find(
     planes: Vec4Array,
     keep: IntArray,
 ) -> ti.i32:
-    """Write to `keep` which particles have room; returns how many have not."""
+    """Write to `keep` which particles have room; returns how many have not. Samples from `last` on are of sheets, which
+    give way."""
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h**3
     found = 0
@@ -83,6 +86,8 @@ def _find(
         lowest = ti.cast(NOBODY, real)
         for k in range(sample_size[i]):
             s = sample_index[i, k]
+            if s >= last:
+                continue
             d = x - samples[s].xyz
             q = d.norm() * inverse_h
             one = norm * samples[s].w * vec4(inverse_h * inverse_h * cubic_slope(q) * d, cubic(q))
@@ -95,7 +100,7 @@ def _find(
                 first += one
             else:
                 others += one
-        if sample_size[i] > 0:
+        if lowest < ti.cast(NOBODY, real):
             walls = wall_share(x, wall_count, wall_fit, planes, inverse_h)
             if lowest == 0.0:
                 first += walls

@@ -153,7 +153,7 @@ class FluidSystem:
         self.squeezed_out = 0
         """Particles taken out since this was last set to zero."""
         self._squeezed = None
-        if boundary.moves:
+        if boundary.moving:
             from sim.fluid.squeezed import Squeezed
 
             self._squeezed = Squeezed(boundary, walls, spec.spacing, self.h)
