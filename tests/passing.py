@@ -29,6 +29,16 @@ def passed(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, moving:
     return count
 
 
+def went_through(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, single: int) -> int:
+    """How many of the last `single` points, which belong to nothing, go through a triangle on their way."""
+    if not single:
+        return 0
+    points = np.arange(len(before) - single, len(before))[:, None]
+    pairs = _near(before, after, points, triangles)
+    corners = np.concatenate([points[pairs[:, 0]], triangles[pairs[:, 1]]], axis=1)
+    return _meetings(before, after, corners, _in_triangle)
+
+
 def _boxes(before: np.ndarray, after: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     both = np.concatenate([before[members], after[members]], axis=1)
     return both.min(axis=1), both.max(axis=1)

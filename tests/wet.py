@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from plyfile import PlyData
 
 from tests.particles import positions, read_frame, velocities
+from tests.passing import went_through
+
+if TYPE_CHECKING:
+    from sim.world import World
 
 RHO, G, D = 1000.0, 9.81, 0.025
 
@@ -58,6 +62,38 @@ def below(water: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> int:
         heights = (a + v[:, None] * (b - a) + w[:, None] * (c - a))[over, 1]
         number += bool(len(heights)) and y < heights.min()
     return number
+
+
+def leaks(data: dict[str, Any], seconds: float) -> tuple[int, World]:
+    """Step for a time [s]; how often a particle went through the cloth, by the checker of `tests.passing`, and the
+    world at the end."""
+    from sim.spec import SimulationSpec
+    from sim.stepping import Run
+
+    run = Run(SimulationSpec.model_validate(data), Path(), threads=2, arch="cpu", warn=lambda _: None)
+    run.start()
+    world, time, number = run.world, 0.0, 0
+    cloth, water = _points(world)
+    while time < seconds:
+        dt = min(world.step_limit(world.measure()), 0.01)
+        time += dt
+        world.advance(dt, time)
+        cloth_after, water_after = _points(world)
+        both = np.intersect1d(list(water), list(water_after))
+        before, after = (
+            np.concatenate([sheet, np.array([place[name] for name in both]).reshape(-1, 3)])
+            for sheet, place in ((cloth, water), (cloth_after, water_after))
+        )
+        number += went_through(before, after, world.cloth.mesh.triangles, len(both))
+        cloth, water = cloth_after, water_after
+    return number, world
+
+
+def _points(world: World) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+    """Of the cloth, and of particles by their identity [m]."""
+    state = world.fluid.state()
+    places = state.position[:, :3].astype(np.float64) + world.origin
+    return world.cloth.mesh.points.position.to_numpy(), dict(zip(state.tag[:, 0].tolist(), places, strict=True))
 
 
 def water_at(out: Path, frame: int) -> np.ndarray:

@@ -39,8 +39,8 @@ def hammock(solver, stretch, mass_per_area, fps):
     """A layer of water on a cloth that is held all around, taut by the stretch, within walls half a spacing off."""
     water = {"shape": {"type": "box", "size": [0.55, 0.05, 0.55]}, "position": [0, 1.038, 0]}
     sheet = {"shape": {"type": "sheet", "size": [0.6, 0.6]}, "spacing": 0.05, "mass_per_area": mass_per_area,
-             "position": [0, 1, 0], "stretch_stiffness": 3000, "damping": 1.0, "rest_scale": 1 / stretch, "thickness": 0.006,
-             "pins": ["left", "right", "front", "back"]}  # fmt: skip
+             "position": [0, 1, 0], "stretch_stiffness": 3000, "damping": 1.0, "rest_scale": 1 / stretch,
+             "thickness": 0.006, "pins": ["left", "right", "front", "back"]}  # fmt: skip
     probes = {"pins": {"type": "pin_force", "sheet": "sheet", "rate": 100}}
     walls = {"shaft": {"type": "box", "size": [0.625, 2, 0.625]}}
     thick = {"viscosity": 1e-3}

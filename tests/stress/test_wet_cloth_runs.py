@@ -1,0 +1,50 @@
+"""Runs of scenes with cloth and fluid: in two parts, with events, and through an emitter."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.particles import read_table
+from tests.stress.scenes import contents
+from tests.wet import leaks, scene
+
+DROP = {"shape": {"type": "sphere", "radius": 0.06}, "position": [0, 0.09, 0], "velocity": [0, -6, 0]}
+SHEET = {"shape": {"type": "sheet", "size": [0.3, 0.3]}, "spacing": 0.05, "pins": ["corners"], "thickness": 0.006,
+         "stretch_stiffness": 30}  # fmt: skip
+STRETCHING = [pytest.param("wcsph", marks=pytest.mark.slow), "dfsph"]
+
+
+@pytest.mark.parametrize("solver", STRETCHING)
+def test_two_parts_are_the_whole(simulate, solver):
+    """Also where samples are laid anew as the cloth stretches, and where pins are let go."""
+    made = scene(solver, DROP, SHEET, events=[{"at": 0.045, "set": {"cloth.sheets.sheet.pins": []}}])
+    whole = simulate(made, 6, "whole")
+    first = simulate(made, 3, "first")
+    second = simulate(made, 6, "second", first=4, state=first / "state_00003.npz")
+    for files in ("cloth_*.ply", "fluid_*.ply"):
+        assert contents(first, files) | contents(second, files) == contents(whole, files)
+    assert contents(second, "state_00006.npz") == contents(whole, "state_00006.npz")
+    assert read_table(whole / "steps.csv")["cloth_stretch"].max() > 1.3
+
+
+def test_nothing_goes_through_a_cloth_that_catches_water():
+    """Looked at in every step, also where drops are fast."""
+    number, world = leaks(scene("dfsph", DROP | {"velocity": [0, -10, 0]}, SHEET), 0.05)
+    assert number == 0
+    assert world.cloth.vertices("sheet")[0][:, 1].min() < -0.05
+
+
+@pytest.mark.slow
+def test_a_jet_pushes_a_flag():
+    """A jet that meets a hanging cloth: it leans away, and nothing comes through."""
+    flag = {"shape": {"type": "sheet", "size": [0.5, 0.5]}, "rotation": [{"axis": [1, 0, 0], "angle": 90}],
+            "spacing": 0.05, "pins": ["back"], "thickness": 0.006}  # fmt: skip
+    nozzle = {"shape": {"type": "disc", "radius": 0.05}, "position": [0, 0, 0.25], "speed": 1.5,
+              "rotation": [{"axis": [1, 0, 0], "angle": -90}]}  # fmt: skip
+    made = scene("dfsph", DROP, flag)
+    made["fluid"] = {"solver": "dfsph", "particle_radius": 0.0125, "emitters": {"jet": nozzle}}
+    number, world = leaks(made, 0.4)
+    points = world.cloth.vertices("sheet")[0]
+    assert number == 0
+    assert points[:, 1].max() == pytest.approx(0.25)
+    assert points[:, 2].mean() < -0.02
