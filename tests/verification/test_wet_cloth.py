@@ -36,13 +36,13 @@ def test_momentum_goes_from_one_to_the_other(simulate, solver, density):
 
 
 def hammock(solver, stretch, mass_per_area, fps):
-    """A layer of water on a cloth that is held all around, taut by the stretch, within walls half a spacing off."""
+    """A layer of water on a cloth that is held all around, taut by the stretch, within walls 5 mm off."""
     water = {"shape": {"type": "box", "size": [0.55, 0.05, 0.55]}, "position": [0, 1.038, 0]}
     sheet = {"shape": {"type": "sheet", "size": [0.6, 0.6]}, "spacing": 0.05, "mass_per_area": mass_per_area,
              "position": [0, 1, 0], "stretch_stiffness": 3000, "damping": 1.0, "rest_scale": 1 / stretch,
              "thickness": 0.006, "pins": ["left", "right", "front", "back"]}  # fmt: skip
     probes = {"pins": {"type": "pin_force", "sheet": "sheet", "rate": 100}}
-    walls = {"shaft": {"type": "box", "size": [0.625, 2, 0.625]}}
+    walls = {"shaft": {"type": "box", "size": [0.61, 2, 0.61]}}
     thick = {"viscosity": 1e-3}
     made = scene(solver, water, sheet, probes=probes, containers=walls)
     return made | {"fps": fps, "fluid": made["fluid"] | thick}
