@@ -259,28 +259,6 @@ def ask(points: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
 
 
 @ti.kernel
-def shift(points: ti.i32, factor: ti.f64, way: Vectors, place: Vectors):
-    """Move points on by a factor of these ways [m]."""
-    for i in range(points):
-        place[i] += factor * way[i]
-
-
-@ti.kernel
-def strike(points: ti.i32, dt: ti.f64, p: Points, load: Vectors):
-    """Change velocities by forces [N] that act for dt [s]."""
-    for i in range(points):
-        if p.mobile[i]:
-            p.velocity[i] += dt / p.mass[i] * load[i]
-
-
-@ti.kernel
-def speeds(points: ti.i32, dt: ti.f64, start: Vectors, place: Vectors, speed: Vectors):
-    """Velocities [m/s] that take points from where they start to where they are tried."""
-    for i in range(points):
-        speed[i] = (place[i] - start[i]) / dt
-
-
-@ti.kernel
 def move(points: ti.i32, share: ti.f64, t: Trial, e: System) -> ti.f64:
     """Try a share of the way found; returns how far the whole of it takes any point [m]."""
     longest = ti.cast(0.0, ti.f64)

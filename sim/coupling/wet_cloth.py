@@ -19,10 +19,10 @@ import numpy as np
 import taichi as ti
 import trimesh
 
-from sim.cloth import newton
 from sim.cloth.part import ClothPart, PlacedSheet
 from sim.cloth.state import ClothState
 from sim.cloth.tables import vectors
+from sim.coupling import wet_cloth_sums
 from sim.coupling.tightness import Tightness
 from sim.fluid.momentum import Momentum
 from sim.fluid.reaction_sums import expect
@@ -145,32 +145,32 @@ class WetCloth:
         self._pose()
 
     def undo(self, dt: float) -> None:
-        newton.shift(self.cloth.mesh.count, -1.0, self._pressed, self._found)
+        wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self._pressed, self._found)
         self._shift(self._way, -1.0)
         self._pose()
 
     def settle(self, dt: float) -> dict[str, float]:
         self._load.copy_from(self._found)
-        newton.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
+        wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
         self.cloth.aim(self._until, self._solids())
         self._integrator.change(dt, self._load, 1.0)
         self.cloth.fluid_force.copy_from(self._found)
         return self._finish(dt)
 
     def nudge(self, dt: float) -> None:
-        newton.shift(self.cloth.mesh.count, 1.0 / dt, self._way, self.cloth.mesh.points.velocity)
+        wet_cloth_sums.shift(self.cloth.mesh.count, 1.0 / dt, self._way, self.cloth.mesh.points.velocity)
         self.system.boundary.move()
 
     def drift(self, dt: float) -> dict[str, float]:
         self._load.fill(0.0)
-        newton.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
+        wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
         self.cloth.aim(self._until, self._solids())
         self._integrator.foresee(dt, self._load)
         return self._finish(dt)
 
     def strike(self, dt: float, momentum: Momentum) -> None:
         self.reaction.forces(momentum, self.cloth.fluid_force)
-        newton.strike(self.cloth.mesh.count, dt / 2, self.cloth.mesh.points, self.cloth.fluid_force)
+        wet_cloth_sums.strike(self.cloth.mesh.count, dt / 2, self.cloth.mesh.points, self.cloth.fluid_force)
         self.system.boundary.move()
 
     def hold_off(self, dt: float) -> None:
@@ -183,16 +183,16 @@ class WetCloth:
         return told
 
     def _shift(self, way: ti.Ndarray, factor: float) -> None:
-        newton.shift(self.cloth.mesh.count, factor, way, self._integrator.trial.place)
+        wet_cloth_sums.shift(self.cloth.mesh.count, factor, way, self._integrator.trial.place)
 
     def _sum(self, out: ti.Ndarray, one: ti.Ndarray, other: ti.Ndarray) -> None:
         out.copy_from(one)
-        newton.shift(self.cloth.mesh.count, 1.0, other, out)
+        wet_cloth_sums.shift(self.cloth.mesh.count, 1.0, other, out)
 
     def _pose(self) -> None:
         """Bring samples to where the cloth is foreseen to be after the step."""
         trial, boundary = self._integrator.trial, self.system.boundary
-        newton.speeds(self.cloth.mesh.count, self._dt, trial.start, trial.place, self._speed)
+        wet_cloth_sums.speeds(self.cloth.mesh.count, self._dt, trial.start, trial.place, self._speed)
         boundary.sheets.place, boundary.sheets.speed = trial.place, self._speed
         boundary.move()
 

@@ -10,7 +10,7 @@ from tests.cloths import passages, scene, sheet
 
 FLOOR = {"floor": {"shape": {"type": "plane"}}}
 STILL = {"motion": "static"}
-
+BUNNY = {"type": "mesh", "file": "pymeshfix:examples/StanfordBunny.ply", "up": "z", "size": 0.3, "anchor": "base"}
 
 FINE = [0.1, pytest.param(0.05, marks=pytest.mark.slow)]
 """Spacings [m]."""
@@ -76,3 +76,40 @@ def test_a_ribbon_that_is_twisted_ten_times():
         {"far": {"shape": {"type": "sphere", "radius": 0.01}, "position": [0, -1, 0]}},
     )  # fmt: skip
     assert passages(world, 1.0, 0.002) == 0
+
+
+@pytest.mark.slow
+def test_a_cloth_that_falls_on_the_bunny():
+    bunny = {"shape": BUNNY, "position": [0, 0, 0]} | STILL
+    cloth = sheet((0.5, 0.5), spacing=0.04, position=[0, 0.36, 0], thickness=0.008)
+    world = scene({"cloth": cloth}, FLOOR | {"bunny": bunny})
+    assert passages(world, 0.4, 0.005) == 0
+    assert 0.003 < world.cloth.vertices("cloth")[0][:, 1].min() < 0.2
+
+
+def corner(place, *keys):
+    """A pin that leads a corner; keys: times [s] and offsets [m]."""
+    return {"at": [place], "keyframes": [{"at": 0}, *({"at": at, "offset": offset} for at, *offset in keys)]}
+
+
+@pytest.mark.slow
+def test_a_cloth_that_is_folded_three_times():
+    """By its corners, in half each time, onto itself: eight layers in the end."""
+    pins = [
+        corner([-0.2, 0, -0.2], (0.8, 0, 0, 0), (1.1, 0, 0.22, 0.19), (1.4, 0, 0.036, 0.4), (1.6, 0, 0.036, 0.4),
+               (1.9, 0.1, 0.14, 0.4), (2.2, 0.2, 0.048, 0.4)),
+        corner([0.2, 0, -0.2], (0.3, -0.2, 0.2, 0), (0.6, -0.4, 0.012, 0), (0.8, -0.4, 0.012, 0),
+               (1.1, -0.4, 0.2, 0.2), (1.4, -0.4, 0.024, 0.4), (1.6, -0.4, 0.024, 0.4),
+               (1.9, -0.3, 0.15, 0.4), (2.2, -0.2, 0.06, 0.4)),
+        corner([-0.2, 0, 0.2], (1.6, 0, 0, 0), (1.9, 0.08, 0.17, 0), (2.2, 0.2, 0.084, 0)),
+        corner([0.2, 0, 0.2], (0.3, -0.2, 0.2, 0), (0.6, -0.4, 0.012, 0), (1.6, -0.4, 0.012, 0),
+               (1.9, -0.31, 0.16, 0), (2.2, -0.2, 0.072, 0)),
+    ]  # fmt: skip
+    world = scene(
+        {"cloth": sheet((0.4, 0.4), spacing=0.04, thickness=0.006, pins=pins, damping=0.2, bend_stiffness=1e-6)},
+        {"floor": {"shape": {"type": "plane"}, "position": [0, -0.01, 0]}},
+    )
+    assert passages(world, 2.4, 0.004) == 0
+    places = world.cloth.vertices("cloth")[0]
+    assert np.ptp(places[:, 2]) < 0.26
+    assert np.ptp(places[:, 0]) < 0.22

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.cloth.pull import pulls
 from tests.bodies import ball, box
 from tests.cloths import G, scene, sheet
+from tests.meshes import write
 
 TIGHT = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-4, "max_newton": 60}}
 
@@ -68,3 +70,45 @@ def test_a_ball_that_falls_into_a_cloth_is_caught():
     assert np.min(heights) > -0.2
     assert np.max(np.array(heights)[150:, 1]) < 0.05
     assert np.abs(np.array(heights)[:, [0, 2]]).max() < 0.01
+
+
+def band(path, radius, hanging, cells):
+    """A strip over the upper half of a drum that lies along z, and straight down on both sides, as a mesh."""
+    import trimesh
+
+    length = np.pi * radius + 2 * hanging
+    s = np.linspace(-length / 2, length / 2, cells + 1)
+    turned = np.clip(s / radius, -np.pi / 2, np.pi / 2)
+    down = np.maximum(np.abs(s) - np.pi / 2 * radius, 0.0)
+    line = np.stack([radius * np.sin(turned), radius * np.cos(turned) - down], axis=1)
+    points = np.concatenate([np.insert(line, 2, z, axis=1) for z in (-0.01, 0.01)])
+    k = np.arange(cells)
+    one, other = k, k + cells + 1
+    faces = np.concatenate([np.stack([one, one + 1, other], 1), np.stack([one + 1, other + 1, other], 1)])
+    return str(write(path, trimesh.Trimesh(points, faces, process=False))), points[[0, cells + 1]], points[[cells, -1]]
+
+
+@pytest.mark.parametrize("friction", [0.2, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_a_band_is_pulled_over_a_drum(tmp_path, friction):
+    """Tensions on both sides of a drum that a band slides around by half a turn: e^(mu pi) (Euler, Eytelwein)."""
+    thickness, radius = 0.004, 0.1
+    file, left, right = band(tmp_path / "band.off", radius + thickness / 2, 0.1, 60)
+
+    def led(points, way):
+        return {"at": points.tolist(), "keyframes": [{"at": 0}, {"at": 1, "offset": [0, way, 0]}]}
+
+    cloth = {"shape": {"type": "mesh", "file": file}, "mass_per_area": 0.1, "stretch_stiffness": 2000, "damping": 0.5,
+             "bend_stiffness": 1e-7, "rest_scale": 0.98, "thickness": thickness, "friction": friction,
+             "pins": [led(left, 0.05), led(right, -0.05)]}  # fmt: skip
+    drum = {"shape": {"type": "cylinder", "radius": radius, "height": 0.1}, "friction": friction,
+            "rotation": [{"axis": [1, 0, 0], "angle": 90}]}  # fmt: skip
+    world = scene({"cloth": cloth}, {"drum": drum}, gravity=[0, 0, 0], cloth=TIGHT)
+    ratios = []
+    for k in range(1, 401):
+        world.advance(0.002, 0.002 * k)
+        if k > 300:
+            pull = pulls(world.cloth.mesh)
+            x = world.cloth.vertices("cloth")[0][:, 0]
+            held = world.cloth.mesh.held
+            ratios.append(pull[held & (x > 0), 1].sum() / pull[held & (x < 0), 1].sum())
+    assert np.mean(ratios) == pytest.approx(np.exp(np.pi * friction), rel=0.05)
