@@ -85,9 +85,9 @@ class ImplicitEuler:
         """Largest steps [s] by what limits them: none."""
         return {}
 
-    def advance(self, dt: float, load: ti.Ndarray | None = None) -> dict[str, float]:
-        """Step by dt [s] with forces of others on points [N]; returns the STATISTICS."""
-        self.foresee(dt, load)
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        self.foresee(dt)
         return self.settle(dt)
 
     def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
@@ -106,14 +106,14 @@ class ImplicitEuler:
             trial,
         )
         if load is not None:
-            newton.load_on(mesh.count, dt, 1.0, mesh.points, load, trial)
+            newton.load_on(mesh.count, dt, mesh.points, load, trial)
         self.collisions.begin(trial.start)
         self._told, self._rounds = np.zeros(3, int), 0
         self._part(dt)
 
-    def change(self, dt: float, load: ti.Ndarray, factor: float) -> None:
-        """Let a factor of forces on points [N] act besides those foreseen, and look where that takes them."""
-        newton.load_on(self.mesh.count, dt, factor, self.mesh.points, load, self.trial)
+    def change(self, dt: float, load: ti.Ndarray) -> None:
+        """Let forces on points [N] act besides those foreseen, and look where that takes them."""
+        newton.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
         self._part(dt)
 
     def linearize(self, dt: float) -> None:

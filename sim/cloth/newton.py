@@ -230,11 +230,11 @@ def linearize(
 
 
 @ti.kernel
-def load_on(points: ti.i32, dt: ti.f64, factor: ti.f64, p: Points, load: Vectors, t: Trial):
-    """Let forces on points [N], times a factor, act in the step besides gravity."""
+def load_on(points: ti.i32, dt: ti.f64, p: Points, load: Vectors, t: Trial):
+    """Let forces on points [N] act in the step besides gravity."""
     for i in range(points):
         if p.mobile[i]:
-            t.aim[i] += factor * dt * dt / p.mass[i] * load[i]
+            t.aim[i] += dt * dt / p.mass[i] * load[i]
 
 
 @ti.kernel

@@ -39,14 +39,18 @@ def sheet_samples(
 
     def make(first: int, radius: float) -> SheetSamples:
         mesh = cloth.mesh
-        now = mesh.points.position.to_numpy()
-        cuts = find_cuts(mesh.triangles, mesh.placed, now, fluid.spacing)
-        pattern = Pattern.of(mesh.triangles, cuts)
+        pattern = Pattern.of(mesh.triangles, _cuts(cloth, fluid.spacing))
         samples = SheetSamples(first, pattern, mesh.count, fluid.spacing, fluid.support_radius, radius, origin, body)
         samples.place, samples.speed = mesh.points.position, mesh.points.velocity
         return samples
 
     return make
+
+
+def _cuts(cloth: ClothPart, spacing: float) -> np.ndarray:
+    """Into how many the sides of triangles are to be divided for samples where the cloth is."""
+    mesh = cloth.mesh
+    return find_cuts(mesh.triangles, mesh.placed, mesh.points.position.to_numpy(), spacing)
 
 
 def off_sheets(sheets: list[PlacedSheet], state: ClothState | None, points: np.ndarray, clearance: float) -> np.ndarray:
@@ -96,10 +100,10 @@ class WetCloth:
     def begin_frame(self) -> bool:
         """Lay samples anew where the cloth has stretched; returns whether it has."""
         boundary = self.system.boundary
-        now = self._make(boundary.sheets.first, boundary.sheets.grid.radius)
-        if np.array_equal(now.pattern.weights, boundary.sheets.pattern.weights):
+        sheets = boundary.sheets
+        if np.array_equal(_cuts(self.cloth, self.system.spec.spacing), sheets.pattern.cuts):
             return False
-        boundary.attach(now)
+        boundary.attach(self._make(sheets.first, sheets.grid.radius))
         boundary.move()
         return True
 
@@ -153,7 +157,7 @@ class WetCloth:
         self._load.copy_from(self._found)
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
         self.cloth.aim(self._until, self._solids())
-        self._integrator.change(dt, self._load, 1.0)
+        self._integrator.change(dt, self._load)
         self.cloth.fluid_force.copy_from(self._found)
         return self._finish(dt)
 

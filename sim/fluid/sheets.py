@@ -27,8 +27,10 @@ STRETCH = 1.3
 
 @dataclass(frozen=True)
 class Pattern:
-    """Places on triangles: corners, shape [n, 3], their weights, shape [n, 3], and the share of the triangle's area."""
+    """Places on triangles: corners, shape [n, 3], their weights, shape [n, 3], and the share of the triangle's area;
+    cuts: of the sides of triangles, shape [t]."""
 
+    cuts: np.ndarray
     corners: np.ndarray
     weights: np.ndarray
     share: np.ndarray
@@ -43,7 +45,7 @@ class Pattern:
             corners.append(np.repeat(own, len(places), axis=0))
             weights.append(np.tile(places, (len(own), 1)))
             share.append(np.full(len(own) * len(places), 1.0 / len(places)))
-        return cls(np.concatenate(corners), np.concatenate(weights), np.concatenate(share))
+        return cls(cuts, np.concatenate(corners), np.concatenate(weights), np.concatenate(share))
 
 
 def find_cuts(triangles: np.ndarray, placed: np.ndarray, now: np.ndarray, spacing: float) -> np.ndarray:
