@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import resource
+import re
 import subprocess
 import sys
-import time
 
 HEAVY = ("taichi", "bpy", "pysplashsurf", "numpy", "matplotlib", "trimesh")
 
@@ -17,14 +16,15 @@ def test_imports(fresh):
     assert not set(HEAVY) & set(json.loads(printed.stdout))
 
 
-def test_a_dry_run_over_600_frames_takes_less_than_3_seconds(fresh):
+def test_a_dry_run_over_600_frames_plans_blocks_and_loads_nothing_heavy(fresh):
+    """What makes it quick; `tests/benchmarks/dry_run.py` tells how quick."""
     fresh.edit("duration: 2\nfps: 4", "duration: 25\nfps: 24")
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    ran = fresh.dry_run()
-    after, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
+    ran = fresh.dry_run(PYTHONPROFILEIMPORTTIME="1")
     assert len(ran.jobs) == 50 + 50 + 150 + 1
-    busy = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    assert min(busy, wall) < 3.0
+    imported = set(re.findall(r"^import time:.*\| +(\S+)$", ran.text, re.MULTILINE))
+    assert "snakemake.workflow" in imported
+    # Snakemake itself loads numpy.
+    assert not (set(HEAVY) - {"numpy"}) & imported
 
 
 def test_snakemake_has_no_complaint(fresh):
