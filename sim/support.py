@@ -106,8 +106,8 @@ def _refuse_meetings(spec: SimulationSpec) -> None:
     if spec.fluid is not None and spec.fluid.viscosity_solver == "implicit":
         message = "cloth does not meet fluid whose viscosity is implicit yet"
         raise Refused(message, location=("fluid", "viscosity_solver"), remedy="use fluid.viscosity_solver: explicit")
-    if (spec.fluid or spec.rigid or spec.containers) and spec.cloth.integrator != "implicit_euler":
-        message = f"cloth meets fluid and solids with implicit_euler only, not with {spec.cloth.integrator} yet"
+    if spec.fluid is not None and spec.cloth.integrator != "implicit_euler":
+        message = f"cloth meets fluid with implicit_euler only, not with {spec.cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 

@@ -127,9 +127,10 @@ class Collisions:
         self.known = known.take(np.flatnonzero(keep))
         self._upload()
 
-    def find(self, start: ti.Ndarray, place: ti.Ndarray) -> int:
-        """Add what comes near on the way from `start` to `place` [m]; returns how many were not known."""
-        fresh = self._search(start, place)
+    def find(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY) -> int:
+        """Add what comes nearer than a share of its thickness on the way from `start` to `place` [m]; returns how many
+        were not known."""
+        fresh = self._search(start, place, early)
         if self.count and len(fresh.key):
             fresh = fresh.take(np.flatnonzero(~_among(fresh.key, self.known.key)))
         if len(fresh.key):
@@ -158,9 +159,9 @@ class Collisions:
             touch.learn(self.count, self.touches)
         self._keep_forces()
 
-    def hold_back(self, start: ti.Ndarray, place: ti.Ndarray) -> tuple[int, int]:
-        """Shorten ways until nothing comes too near; returns how many points were held back, and how many pairs are
-        too near still: solids that move push them together."""
+    def hold_back(self, start: ti.Ndarray, place: ti.Ndarray) -> tuple[np.ndarray, int]:
+        """Shorten ways until nothing comes too near; returns which share of its way each point went, shape [points],
+        and how many pairs are too near still: solids that move push them together."""
         share = np.ones(self.mesh.total)
         for _ in range(HALVINGS):
             if not len(self.narrow):
@@ -175,12 +176,12 @@ class Collisions:
             share *= factor
             search.shorten(self.mesh.count, numbers(factor), start, place)
             self._search(start, place)
-        return int((share < 1).sum()), len(self.narrow)
+        return share, len(self.narrow)
 
-    def _search(self, start: ti.Ndarray, place: ti.Ndarray) -> Known:
+    def _search(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY) -> Known:
         for tree in (*self._own, *self._solid):
             tree.enclose(self._half, start, place)
-        found = [one.run(self._half, start, place) for one in self._searches]
+        found = [one.run(self._half, start, place, early) for one in self._searches]
         self.narrow = np.concatenate([corners[narrow > 0] for corners, *_, narrow in found])
         parts = [Known.none()]
         for one, (corners, weight, normal, _) in zip(self._searches, found, strict=True):
@@ -188,7 +189,7 @@ class Collisions:
                 kind = np.full((len(corners), 1), EDGE if one.edges else POINT, np.int32)
                 parts.append(self._unknown(np.concatenate([kind, corners], axis=1), weight, normal))
         for index, wall in enumerate(self.walls):
-            points = self._near_wall(wall, place)
+            points = self._near_wall(wall, place, early)
             key = np.full((len(points), 5), -1, np.int32)
             key[:, 0], key[:, 1] = PLANE + index, points
             normal = np.broadcast_to(wall.normal, (len(points), 3))
@@ -198,10 +199,10 @@ class Collisions:
             whole = whole.joined(part)
         return whole
 
-    def _near_wall(self, wall: Wall, place: ti.Ndarray) -> np.ndarray:
+    def _near_wall(self, wall: Wall, place: ti.Ndarray, early: float) -> np.ndarray:
         search.find_near_plane(
             len(self._cloth_points),
-            EARLY,
+            early,
             vec3(*wall.normal),
             wall.offset,
             self._points,
@@ -316,7 +317,7 @@ class _Search:
             narrow=integers(np.zeros(slots)),
         )
 
-    def run(self, half: ti.Ndarray, start: ti.Ndarray, place: ti.Ndarray) -> tuple[np.ndarray, ...]:
+    def run(self, half: ti.Ndarray, start: ti.Ndarray, place: ti.Ndarray, early: float) -> tuple[np.ndarray, ...]:
         """Points, weights and normals of pairs that come near, and whether they come too near."""
         while True:
             search.find_near(
@@ -326,7 +327,7 @@ class _Search:
                 self._room,
                 self._tree.leaves,
                 self._tree.number,
-                EARLY,
+                early,
                 LEAST,
                 self._query,
                 self._tree.member,

@@ -2,13 +2,13 @@
 
 import taichi as ti
 
+from sim.cloth.contact_projection import keep_apart_alone
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands
+from sim.cloth.layout import Angles, Points, Strands, Touches, Way
 from sim.cloth.springs import line
 from sim.double import Numbers, Vectors, mat3, vec3
 
 Workspace = ti.types.argpack(
-    aims=Vectors,
     air_face=Vectors,
     air_across=Numbers,
     air_along=Numbers,
@@ -16,7 +16,7 @@ Workspace = ti.types.argpack(
     bending=Numbers,
     leaning=Vectors,
 )
-"""Where held points are to be [m]; the cloth's normals, and drag across and along it [kg/s]; pulls of springs [N], and
+"""The cloth's normals, and drag across and along it [kg/s]; pulls of springs [N], and
 moments [N m] and slopes [1/m] of hinges."""
 
 
@@ -53,18 +53,20 @@ def _go(
     p: ti.template(),
     s: ti.template(),
     a: ti.template(),
+    e: ti.template(),
     w: ti.template(),
 ):
+    w.before[i] = p.position[i]
     if p.mobile[i]:
         force = p.mass[i] * gravity
         for entry in range(s.first_spring[i], s.first_spring[i + 1]):
             end = s.of_spring[entry] % 2
-            force -= ti.cast(1 - 2 * end, ti.f64) * w.pull[s.of_spring[entry] // 2]
+            force -= ti.cast(1 - 2 * end, ti.f64) * e.pull[s.of_spring[entry] // 2]
         for entry in range(a.first_hinge[i], a.first_hinge[i + 1]):
-            force -= w.bending[a.of_hinge[entry] // 4] * w.leaning[a.of_hinge[entry]]
+            force -= e.bending[a.of_hinge[entry] // 4] * e.leaning[a.of_hinge[entry]]
         momentum = p.mass[i] * p.velocity[i] + dt * force
         if ti.static(airy):
-            momentum, held_back = braked(p.mass[i], dt, momentum, wind, w.air_face[i], w.air_across[i], w.air_along[i])
+            momentum, held_back = braked(p.mass[i], dt, momentum, wind, e.air_face[i], e.air_across[i], e.air_along[i])
             p.velocity[i] = held_back @ momentum
         else:
             p.velocity[i] = momentum / p.mass[i]
@@ -84,32 +86,37 @@ def step(
     points: ti.i32,
     springs: ti.i32,
     hinges: ti.i32,
+    touches: ti.i32,
     dt: ti.f64,
+    prompt: ti.f64,
     gravity: vec3,
     wind: vec3,
     p: Points,
     s: Strands,
     a: Angles,
-    w: Workspace,
+    e: Workspace,
+    touch: Touches,
+    w: Way,
 ):
-    """One step on all threads, or so many `alone` on one; `left`: steps to the time at which held points are at their
-    aims."""
+    """One small step on all threads without contacts, or so many with them `alone` on one; `left`: small steps to the
+    time at which held points are at their aims."""
     if ti.static(alone):
         ti.loop_config(serialize=True)
         for now in range(number):
             for k in range(springs):
-                _pull(k, p, s, w.pull)
+                _pull(k, p, s, e.pull)
             for k in range(hinges):
-                _bend(k, p, a, w.bending, w.leaning)
+                _bend(k, p, a, e.bending, e.leaning)
             for i in range(points):
-                _go(airy, i, dt, left - now, gravity, wind, p, s, a, w)
+                _go(airy, i, dt, left - now, gravity, wind, p, s, a, e, w)
+            keep_apart_alone(points, touches, number, left - now, dt, prompt, p, touch, w)
     else:
         for k in range(springs):
-            _pull(k, p, s, w.pull)
+            _pull(k, p, s, e.pull)
         for k in range(hinges):
-            _bend(k, p, a, w.bending, w.leaning)
+            _bend(k, p, a, e.bending, e.leaning)
         for i in range(points):
-            _go(airy, i, dt, left, gravity, wind, p, s, a, w)
+            _go(airy, i, dt, left, gravity, wind, p, s, a, e, w)
 
 
 @ti.func

@@ -130,11 +130,11 @@ class ImplicitEuler:
     def settle(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
-        held_back, stuck = collisions.hold_back(trial.start, trial.place)
+        share, stuck = collisions.hold_back(trial.start, trial.place)
         collisions.end()
         newton.finish(mesh.total, dt, mesh.points, trial)
         steps, iterations, capped = self._told.tolist()
-        values = (steps, iterations, int(capped > 0), collisions.count, self._rounds, held_back, stuck)
+        values = (steps, iterations, int(capped > 0), collisions.count, self._rounds, int((share < 1).sum()), stuck)
         return dict(zip(self.STATISTICS, values, strict=True))
 
     def _part(self, dt: float) -> None:

@@ -2,39 +2,29 @@
 
 import taichi as ti
 
+from sim.cloth.contact_projection import keep_apart_alone, mobility
 from sim.cloth.explicit import braked
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands
+from sim.cloth.layout import Angles, Points, Strands, Touches, Way
 from sim.cloth.springs import line
 from sim.double import Numbers, Vectors, vec3
 
 Guess = ti.types.argpack(
-    aims=Vectors,
     air_face=Vectors,
     air_across=Numbers,
     air_along=Numbers,
-    before=Vectors,
     pulled=Numbers,
     bent=Numbers,
 )
-"""Where held points are to be [m]; the cloth's normals, and drag across and along it [kg/s]; places before the substep
-[m], and multipliers of springs and hinges."""
+"""The cloth's normals, and drag across and along it [kg/s]; multipliers of springs and hinges."""
 
 
 @ti.func
-def _mobility(p: ti.template(), i: ti.i32) -> ti.f64:
-    found = ti.cast(0.0, ti.f64)
-    if p.mobile[i]:
-        found = 1.0 / p.mass[i]
-    return found
-
-
-@ti.func
-def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64, had: ti.f64, mobility: ti.f64):
+def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64, had: ti.f64, ease: ti.f64):
     """Of a multiplier: equation 26 of Macklin et al. 2016, times the stiffness."""
     soft = 1.0 / (dt * dt)
     slow = damp / dt
-    return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * mobility + soft)
+    return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * ease + soft)
 
 
 @ti.func
@@ -47,10 +37,11 @@ def _foresee(
     wind: vec3,
     p: ti.template(),
     g: ti.template(),
+    w: ti.template(),
 ):
     """Where a point would go without springs; `left`: substeps to the time at which held points are at their aims."""
     x = p.position[i]
-    g.before[i] = x
+    w.before[i] = x
     if p.mobile[i]:
         v = p.velocity[i] + dt * gravity
         if ti.static(airy):
@@ -60,15 +51,15 @@ def _foresee(
             v = held_back @ momentum
         p.position[i] = x + dt * v
     else:
-        p.position[i] = x + (g.aims[i] - x) / ti.cast(left, ti.f64)
+        p.position[i] = x + (w.aims[i] - x) / ti.cast(left, ti.f64)
 
 
 @ti.func
-def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g: ti.template()):
+def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g: ti.template(), w: ti.template()):
     one, other = s.ends[2 * k], s.ends[2 * k + 1]
     along, length = line(p.position[one], p.position[other])
-    a, b = _mobility(p, one), _mobility(p, other)
-    since = along.dot((p.position[one] - g.before[one]) - (p.position[other] - g.before[other]))
+    a, b = mobility(p, one), mobility(p, other)
+    since = along.dot((p.position[one] - w.before[one]) - (p.position[other] - w.before[other]))
     change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], g.pulled[k], a + b)
     g.pulled[k] += change
     p.position[one] += a * change * along
@@ -76,16 +67,16 @@ def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g
 
 
 @ti.func
-def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g: ti.template()):
+def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g: ti.template(), w: ti.template()):
     i, j, m, n = a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]
     hinge = fold(p.position[i], p.position[j], p.position[m], p.position[n])
-    wi, wj, wm, wn = _mobility(p, i), _mobility(p, j), _mobility(p, m), _mobility(p, n)
-    mobility = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
-    mobility += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
-    since = hinge.p.dot(p.position[i] - g.before[i]) + hinge.q.dot(p.position[j] - g.before[j])
-    since += hinge.r.dot(p.position[m] - g.before[m]) + hinge.s.dot(p.position[n] - g.before[n])
+    wi, wj, wm, wn = mobility(p, i), mobility(p, j), mobility(p, m), mobility(p, n)
+    ease = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
+    ease += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
+    since = hinge.p.dot(p.position[i] - w.before[i]) + hinge.q.dot(p.position[j] - w.before[j])
+    since += hinge.r.dot(p.position[m] - w.before[m]) + hinge.s.dot(p.position[n] - w.before[n])
     over = turned(hinge.angle, a.rest_angle[k])
-    change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], mobility)
+    change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], ease)
     g.bent[k] += change
     p.position[i] += wi * change * hinge.p
     p.position[j] += wj * change * hinge.q
@@ -101,30 +92,35 @@ def substeps_alone(
     points: ti.i32,
     springs: ti.i32,
     hinges: ti.i32,
+    touches: ti.i32,
     dt: ti.f64,
+    prompt: ti.f64,
     gravity: vec3,
     wind: vec3,
     p: Points,
     s: Strands,
     a: Angles,
     g: Guess,
+    touch: Touches,
+    w: Way,
 ):
     """All substeps of a step, on one thread."""
     ti.loop_config(serialize=True)
     for now in range(number):
         for i in range(points):
-            _foresee(airy, i, dt, number - now, gravity, wind, p, g)
+            _foresee(airy, i, dt, number - now, gravity, wind, p, g, w)
         for k in range(springs):
             g.pulled[k] = 0.0
         for k in range(hinges):
             g.bent[k] = 0.0
         for _sweep in range(sweeps):
             for k in range(springs):
-                _project_spring(k, dt, p, s, g)
+                _project_spring(k, dt, p, s, g, w)
             for k in range(hinges):
-                _project_hinge(k, dt, p, a, g)
+                _project_hinge(k, dt, p, a, g, w)
+        keep_apart_alone(points, touches, number, number - now, dt, prompt, p, touch, w)
         for i in range(points):
-            p.velocity[i] = (p.position[i] - g.before[i]) / dt
+            p.velocity[i] = (p.position[i] - w.before[i]) / dt
 
 
 @ti.kernel
@@ -139,9 +135,10 @@ def foresee(
     wind: vec3,
     p: Points,
     g: Guess,
+    w: Way,
 ):
     for i in range(points):
-        _foresee(airy, i, dt, left, gravity, wind, p, g)
+        _foresee(airy, i, dt, left, gravity, wind, p, g, w)
     for k in range(springs):
         g.pulled[k] = 0.0
     for k in range(hinges):
@@ -149,18 +146,18 @@ def foresee(
 
 
 @ti.kernel
-def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess):
+def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess, w: Way):
     for k in range(first, last):
-        _project_spring(k, dt, p, s, g)
+        _project_spring(k, dt, p, s, g, w)
 
 
 @ti.kernel
-def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess):
+def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess, w: Way):
     for k in range(first, last):
-        _project_hinge(k, dt, p, a, g)
+        _project_hinge(k, dt, p, a, g, w)
 
 
 @ti.kernel
-def finish(points: ti.i32, dt: ti.f64, p: Points, g: Guess):
+def finish(points: ti.i32, dt: ti.f64, p: Points, w: Way):
     for i in range(points):
-        p.velocity[i] = (p.position[i] - g.before[i]) / dt
+        p.velocity[i] = (p.position[i] - w.before[i]) / dt

@@ -15,6 +15,7 @@ from sim.cloth import explicit
 from sim.cloth.collision import Collisions
 from sim.cloth.explicit import Workspace
 from sim.cloth.mesh import ClothMesh, fold
+from sim.cloth.small_steps import SmallSteps
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import numbers, vectors
 from sim.double import vec3
@@ -23,17 +24,12 @@ MOST_SUBSTEPS = 20_000
 """Of a step: more would seem to hang."""
 
 
-class SymplecticEuler:
-    """Steps a cloth; held points go to where `place` has them, straight."""
-
-    STATISTICS = ("cloth_substeps",)
-
+class SymplecticEuler(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
-        self.mesh = mesh
+        super().__init__(mesh, collisions)
         self.gravity = vec3(*gravity)
         self.stable = settings.symplectic_euler.share * longest_step(mesh)
         self._workspace = Workspace(
-            aims=mesh.place,
             air_face=mesh.air.face,
             air_across=mesh.air.across,
             air_along=mesh.air.along,
@@ -46,15 +42,12 @@ class SymplecticEuler:
         """Largest steps [s] by what limits them."""
         return {"cloth stiffness": self.stable * MOST_SUBSTEPS}
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step by dt [s]; returns the STATISTICS."""
-        substeps = max(1, math.ceil(dt / self.stable))
-        self.substep(dt / substeps, substeps)
-        return {"cloth_substeps": substeps}
+    def substeps(self, dt: float) -> int:
+        return max(1, math.ceil(dt / self.stable))
 
-    def substep(self, dt: float, number: int = 1) -> None:
-        """So many steps of dt [s], however unstable."""
-        mesh = self.mesh
+    def run(self, dt: float, number: int) -> None:
+        """Take so many small steps of dt [s], however unstable."""
+        mesh, contacts = self.mesh, self.collisions
         alone = mesh.alone
         for step in range(1 if alone else number):
             explicit.step(
@@ -65,18 +58,24 @@ class SymplecticEuler:
                 mesh.count,
                 mesh.springs,
                 mesh.hinges,
+                contacts.count,
                 dt,
+                self.prompt(number),
                 self.gravity,
                 mesh.air.wind,
                 mesh.points,
                 mesh.strands,
                 mesh.angles,
                 self._workspace,
+                contacts.touches,
+                self.way,
             )
+            if not alone:
+                self.keep_apart(dt, number, number - step)
 
     @property
     def bytes(self) -> int:
-        return 8 * (3 * self.mesh.springs + 13 * self.mesh.hinges)
+        return super().bytes + 8 * (3 * self.mesh.springs + 13 * self.mesh.hinges)
 
 
 def longest_step(mesh: ClothMesh) -> float:

@@ -15,26 +15,21 @@ from sim.cloth.coloring import colored
 from sim.cloth.layout import Angles, Strands
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.position_based import Guess
+from sim.cloth.small_steps import SmallSteps
 from sim.cloth.spec import Cloth
-from sim.cloth.tables import angle_arrays, numbers, strand_arrays, vectors
+from sim.cloth.tables import angle_arrays, numbers, strand_arrays
 from sim.double import vec3
 
 
-class XPBD:
-    """Steps a cloth; held points go to where `place` has them, straight."""
-
-    STATISTICS = ("cloth_substeps",)
-
+class XPBD(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
-        self.mesh = mesh
+        super().__init__(mesh, collisions)
         self.settings = settings.xpbd
         self.gravity = vec3(*gravity)
         self._guess = Guess(
-            aims=mesh.place,
             air_face=mesh.air.face,
             air_across=mesh.air.across,
             air_along=mesh.air.along,
-            before=vectors(np.zeros((mesh.count, 3))),
             pulled=numbers(np.zeros(mesh.springs)),
             bent=numbers(np.zeros(mesh.hinges)),
         )
@@ -55,33 +50,37 @@ class XPBD:
         """Largest steps [s] by what limits them: none."""
         return {}
 
-    def advance(self, dt: float) -> dict[str, float]:
-        """Step by dt [s]; returns the STATISTICS."""
-        mesh, settings = self.mesh, self.settings
-        number = settings.substeps
-        if mesh.alone:
-            position_based.substeps_alone(
-                mesh.air.present,
-                number,
-                settings.iterations,
-                mesh.count,
-                mesh.springs,
-                mesh.hinges,
-                dt / number,
-                self.gravity,
-                mesh.air.wind,
-                mesh.points,
-                self._strands,
-                self._angles,
-                self._guess,
-            )
-        else:
-            for step in range(number):
-                self._substep(dt / number, number - step)
-        return {"cloth_substeps": number}
+    def substeps(self, dt: float) -> int:
+        return self.settings.substeps
 
-    def _substep(self, dt: float, left: int) -> None:
-        mesh, guess = self.mesh, self._guess
+    def run(self, dt: float, number: int) -> None:
+        mesh, contacts = self.mesh, self.collisions
+        if not mesh.alone:
+            for left in range(number, 0, -1):
+                self._substep(dt, number, left)
+            return
+        position_based.substeps_alone(
+            mesh.air.present,
+            number,
+            self.settings.iterations,
+            mesh.count,
+            mesh.springs,
+            mesh.hinges,
+            contacts.count,
+            dt,
+            self.prompt(number),
+            self.gravity,
+            mesh.air.wind,
+            mesh.points,
+            self._strands,
+            self._angles,
+            self._guess,
+            contacts.touches,
+            self.way,
+        )
+
+    def _substep(self, dt: float, number: int, left: int) -> None:
+        mesh, guess, way = self.mesh, self._guess, self.way
         position_based.foresee(
             mesh.air.present,
             mesh.count,
@@ -93,15 +92,16 @@ class XPBD:
             mesh.air.wind,
             mesh.points,
             guess,
+            way,
         )
         for _ in range(self.settings.iterations):
             for first, last in self._spring_colors:
-                position_based.project_springs(first, last, dt, mesh.points, self._strands, guess)
+                position_based.project_springs(first, last, dt, mesh.points, self._strands, guess, way)
             for first, last in self._hinge_colors:
-                position_based.project_hinges(first, last, dt, mesh.points, self._angles, guess)
-        position_based.finish(mesh.count, dt, mesh.points, guess)
+                position_based.project_hinges(first, last, dt, mesh.points, self._angles, guess, way)
+        self.keep_apart(dt, number, left)
+        position_based.finish(mesh.count, dt, mesh.points, way)
 
     @property
     def bytes(self) -> int:
-        mesh = self.mesh
-        return 8 * (3 * mesh.count + 6 * mesh.springs + 8 * mesh.hinges)
+        return super().bytes + 8 * (6 * self.mesh.springs + 8 * self.mesh.hinges)

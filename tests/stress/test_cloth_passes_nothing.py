@@ -7,51 +7,59 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from tests.bodies import box
-from tests.cloths import passages, scene, sheet
+from tests.cloths import INTEGRATORS, passages, scene, sheet
 
 FLOOR = {"floor": {"shape": {"type": "plane"}}}
 STILL = {"motion": "static"}
 BUNNY = {"type": "mesh", "file": "pymeshfix:examples/StanfordBunny.ply", "up": "z", "size": 0.3, "anchor": "base"}
+
+OF_ALL = pytest.mark.parametrize("integrator", INTEGRATORS)
 
 FINE = [0.1, pytest.param(0.05, marks=pytest.mark.slow)]
 """Spacings [m]."""
 
 
 @pytest.mark.slow
+@OF_ALL
 @pytest.mark.parametrize("spacing", [0.1, 0.05])
-def test_a_cloth_that_falls_on_a_ball(spacing):
+def test_a_cloth_that_falls_on_a_ball(spacing, integrator):
     world = scene(
         {"cloth": sheet((1.0, 1.0), spacing=spacing, position=[0, 0.75, 0], thickness=0.01)},
         FLOOR | {"ball": {"shape": {"type": "sphere", "radius": 0.25}, "position": [0, 0.45, 0]}},
+        cloth={"integrator": integrator},
     )
     assert passages(world, 0.5, 0.005) == 0
     assert 0.004 < world.cloth.vertices("cloth")[0][:, 1].min() < 0.4
 
 
+@OF_ALL
 @pytest.mark.parametrize("spacing", FINE)
-def test_a_cloth_that_falls_on_the_edge_of_a_box(spacing):
+def test_a_cloth_that_falls_on_the_edge_of_a_box(spacing, integrator):
     edge = box((0.4, 0.4, 1.4), position=[0, 0.5, 0], rotation=[{"axis": [0, 0, 1], "angle": 45}]) | STILL
     cloth = sheet((1.0, 1.0), spacing=spacing, position=[0, 0.82, 0], thickness=0.01)
-    world = scene({"cloth": cloth}, FLOOR | {"box": edge})
+    world = scene({"cloth": cloth}, FLOOR | {"box": edge}, cloth={"integrator": integrator})
     assert passages(world, 0.5, 0.005) == 0
     assert np.abs(world.cloth.vertices("cloth")[0][:, 0].mean()) < 0.05
 
 
 @pytest.mark.slow
-def test_a_ball_that_is_shot_at_a_cloth():
+@OF_ALL
+def test_a_ball_that_is_shot_at_a_cloth(integrator):
     """1 cm across at 50 m/s: further in a step than it is thick."""
     ball = {"shape": {"type": "sphere", "radius": 0.005}, "motion": "prescribed", "position": [0.013, 0.3, 0.017],
             "velocity": [0, -50, 0]}  # fmt: skip
     world = scene(
         {"cloth": sheet((0.3, 0.3), spacing=0.03, thickness=0.004, pins=["corners"], stretch_stiffness=1e4)},
         {"ball": ball},
+        cloth={"integrator": integrator},
     )
     assert passages(world, 0.0085, 0.0005) == 0
     assert world.cloth.vertices("cloth")[0][:, 1].min() < -0.1
 
 
 @pytest.mark.slow
-def test_two_cloths_between_closing_plates():
+@OF_ALL
+def test_two_cloths_between_closing_plates(integrator):
     plate = {"shape": {"type": "box", "size": [0.8, 0.05, 0.8]}, "motion": "prescribed"}
     closing = {
         "low": plate | {"keyframes": [{"at": 0, "position": [0, -0.08, 0]}, {"at": 0.4, "position": [0, -0.035, 0]}]},
@@ -62,6 +70,7 @@ def test_two_cloths_between_closing_plates():
     world = scene(
         {"one": cloth | {"position": [0, -0.02, 0]}, "two": cloth | {"position": [0, 0.02, 0], "rotation": turned}},
         closing,
+        cloth={"integrator": integrator},
     )
     assert passages(world, 0.5, 0.005) == 0
     heights = [world.cloth.vertices(name)[0][:, 1] for name in ("one", "two")]
@@ -94,7 +103,8 @@ def corner(place, *keys):
 
 
 @pytest.mark.slow
-def test_a_cloth_that_is_folded_three_times():
+@OF_ALL
+def test_a_cloth_that_is_folded_three_times(integrator):
     """By its corners, onto itself: eight layers at these in the end."""
     pins = [
         corner([-0.2, 0, -0.2], (0.8, 0, 0, 0), (1.1, 0, 0.22, 0.19), (1.4, 0, 0.036, 0.4), (1.6, 0, 0.036, 0.4),
@@ -109,6 +119,7 @@ def test_a_cloth_that_is_folded_three_times():
     world = scene(
         {"cloth": sheet((0.4, 0.4), spacing=0.04, thickness=0.006, pins=pins, damping=0.2, bend_stiffness=1e-6)},
         {"floor": {"shape": {"type": "plane"}, "position": [0, -0.01, 0]}},
+        cloth={"integrator": integrator},
     )
     assert passages(world, 2.4, 0.004) == 0
     # Twice in half is a quarter of its area, of which the third fold takes a part.

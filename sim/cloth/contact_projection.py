@@ -1,0 +1,212 @@
+"""Contacts of small steps: what springs and gravity make of one is changed as little as keeps everything apart.
+
+Points go to the nearest places, in the metric of their masses, at which no contact is below its limit. Forces that take
+them there are looked for by Jacobi's method, each projected to a push and to Coulomb's cone; every mass is shared among
+its contacts, or that would not converge (Tonge, Benevolenski and Voroshilov 2012). It begins with the forces of the
+small step before.
+"""
+
+import taichi as ti
+
+from sim.cloth.layout import Points, Touches, Way
+from sim.cloth.touch import NOTHING
+from sim.double import Numbers, Vectors, vec3
+
+SWEEPS = 4
+"""Of Jacobi's method in a small step."""
+
+
+@ti.func
+def mobility(p: ti.template(), i: ti.i32) -> ti.f64:
+    """One over the mass [1/kg]; 0 of what is held."""
+    found = ti.cast(0.0, ti.f64)
+    if p.mobile[i]:
+        found = 1.0 / p.mass[i]
+    return found
+
+
+@ti.func
+def _between(c: ti.i32, points: ti.i32, share: ti.f64, touch: ti.template(), place: ti.template(), w: ti.template()):
+    """Where the first side of a contact is, less that of the other [m], after a `share` of the ways of solids."""
+    total = vec3(0.0, 0.0, 0.0)
+    for corner in ti.static(range(4)):
+        i = touch.touch_corner[4 * c + corner]
+        if i >= points:
+            total += touch.touch_weight[c][corner] * (w.start[i] + share * (w.aims[i] - w.start[i]))
+        elif i >= 0:
+            total += touch.touch_weight[c][corner] * place[i]
+    return total
+
+
+@ti.func
+def _share_out(c: ti.i32, points: ti.i32, p: ti.template(), touch: ti.template()):
+    soft = ti.cast(0.0, ti.f64)
+    for corner in ti.static(range(4)):
+        i = touch.touch_corner[4 * c + corner]
+        if 0 <= i < points:
+            shares = ti.cast(touch.first_touch[i + 1] - touch.first_touch[i], ti.f64)
+            soft += touch.touch_weight[c][corner] ** 2 * shares * mobility(p, i)
+    touch.hard[c] = 1.0 / soft if soft > 0.0 else 0.0
+    touch.touch_force[c] = vec3(0.0, 0.0, 0.0)
+
+
+@ti.func
+def _recall(c: ti.i32, points: ti.i32, share: ti.f64, touch: ti.template(), w: ti.template()):
+    """Begin with the force that there was, and remember where the contact was."""
+    touch.touch_slip[c] = _between(c, points, share, touch, w.before, w)
+    touch.touch_way[c] = touch.press[c] * touch.touch_normal[c] + touch.grip[c]
+
+
+@ti.func
+def _press(
+    c: ti.i32,
+    points: ti.i32,
+    dt: ti.f64,
+    share: ti.f64,
+    prompt: ti.f64,
+    p: ti.template(),
+    touch: ti.template(),
+    w: ti.template(),
+):
+    """Change the force of a contact; `prompt`: share of what its limit lacks that is made up for at once."""
+    n, before, k = touch.touch_normal[c], touch.touch_slip[c], touch.hard[c] / (dt * dt)
+    there = _between(c, points, share, touch, p.position, w)
+    limit, was = touch.law[c][0], n.dot(before)
+    if was < limit:
+        limit = was + prompt * (limit - was)
+    push = ti.max(touch.press[c] - k * (n.dot(there) - limit), 0.0)
+    moved = there - before
+    grip = touch.grip[c] - k * (moved - n.dot(moved) * n)
+    size = grip.norm()
+    if size > touch.law[c][2] * push + NOTHING:
+        grip *= touch.law[c][1] * push / size
+    touch.touch_way[c] = (push - touch.press[c]) * n + grip - touch.grip[c]
+    touch.press[c] = push
+    touch.grip[c] = grip
+
+
+@ti.func
+def _give(i: ti.i32, dt: ti.f64, p: ti.template(), touch: ti.template()):
+    """Move a point as the changes of forces on it ask."""
+    change = vec3(0.0, 0.0, 0.0)
+    for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
+        c = touch.of_touch[entry] // 4
+        change += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
+    p.position[i] += dt * dt * mobility(p, i) * change
+
+
+@ti.func
+def _end(i: ti.i32, dt: ti.f64, p: ti.template(), touch: ti.template(), w: ti.template()):
+    if touch.first_touch[i + 1] > touch.first_touch[i]:
+        p.velocity[i] = (p.position[i] - w.before[i]) / dt
+
+
+@ti.func
+def keep_apart_alone(
+    points: ti.i32,
+    touches: ti.i32,
+    number: ti.i32,
+    left: ti.i32,
+    dt: ti.f64,
+    prompt: ti.f64,
+    p: ti.template(),
+    touch: ti.template(),
+    w: ti.template(),
+):
+    """The contacts of one of so many small steps, on one thread; `left`: small steps to the end of the step."""
+    if touches > 0:
+        share, earlier = _shares(number, left)
+        for c in range(touches):
+            _recall(c, points, earlier, touch, w)
+        for i in range(points):
+            _give(i, dt, p, touch)
+        for _sweep in range(SWEEPS):
+            for c in range(touches):
+                _press(c, points, dt, share, prompt, p, touch, w)
+            for i in range(points):
+                _give(i, dt, p, touch)
+        for i in range(points):
+            _end(i, dt, p, touch, w)
+        for c in range(touches):
+            _sum_up(c, number, touch)
+
+
+@ti.func
+def _shares(number: ti.i32, left: ti.i32):
+    """Of the ways of solids, that are behind them after a small step and before it."""
+    whole = ti.cast(number, ti.f64)
+    return 1.0 - ti.cast(left - 1, ti.f64) / whole, 1.0 - ti.cast(left, ti.f64) / whole
+
+
+@ti.func
+def _sum_up(c: ti.i32, number: ti.i32, touch: ti.template()):
+    touch.touch_force[c] += (touch.press[c] * touch.touch_normal[c] + touch.grip[c]) / ti.cast(number, ti.f64)
+
+
+@ti.kernel
+def keep_apart(
+    points: ti.i32,
+    touches: ti.i32,
+    number: ti.i32,
+    left: ti.i32,
+    dt: ti.f64,
+    prompt: ti.f64,
+    p: Points,
+    touch: Touches,
+    w: Way,
+):
+    """The contacts of one of so many small steps, on all threads."""
+    for c in range(touches):
+        _share, earlier = _shares(number, left)
+        _recall(c, points, earlier, touch, w)
+    for i in range(points):
+        _give(i, dt, p, touch)
+    for _sweep in ti.static(range(SWEEPS)):
+        for c in range(touches):
+            share, _earlier = _shares(number, left)
+            _press(c, points, dt, share, prompt, p, touch, w)
+        for i in range(points):
+            _give(i, dt, p, touch)
+    for i in range(points):
+        _end(i, dt, p, touch, w)
+    for c in range(touches):
+        _sum_up(c, number, touch)
+
+
+@ti.kernel
+def share_out(points: ti.i32, touches: ti.i32, p: Points, touch: Touches):
+    """Share masses among contacts, and forget what these did."""
+    for c in range(touches):
+        _share_out(c, points, p, touch)
+
+
+@ti.kernel
+def remember(total: ti.i32, dt: ti.f64, p: Points, speed: Vectors, ahead: Vectors, w: Way):
+    """Remember where points are and how fast [m/s], and foresee where they would go at that speed [m]."""
+    for i in range(total):
+        w.start[i] = p.position[i]
+        speed[i] = p.velocity[i]
+        ahead[i] = p.position[i] + dt * p.velocity[i]
+        if p.mobile[i] == 0:
+            ahead[i] = w.aims[i]
+
+
+@ti.kernel
+def put_back(total: ti.i32, p: Points, speed: Vectors, w: Way):
+    for i in range(total):
+        p.position[i] = w.start[i]
+        p.velocity[i] = speed[i]
+
+
+@ti.kernel
+def carry_solids(points: ti.i32, total: ti.i32, dt: ti.f64, p: Points, w: Way):
+    for i in range(points, total):
+        p.velocity[i] = (w.aims[i] - w.start[i]) / dt
+        p.position[i] = w.aims[i]
+
+
+@ti.kernel
+def slow(points: ti.i32, share: Numbers, p: Points):
+    """Slow points that could go only a share of their way."""
+    for i in range(points):
+        p.velocity[i] *= share[i]

@@ -1,0 +1,93 @@
+"""Integrators that take many small steps in one, in each of which contacts hold.
+
+What comes near is looked for along the whole of a step: before it, where points would go at their speed, and after it.
+Where that finds a contact that was not known, the step is made again with it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.cloth import contact_projection
+from sim.cloth.collision import Collisions
+from sim.cloth.layout import Way
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.tables import numbers, vectors
+
+ROUNDS = 12
+"""Of a step, which is made again when it made contacts."""
+AHEAD = 1.15
+"""Pairs that are foreseen to come nearer than this share of their thickness are looked after from the start."""
+PROMPT = 3.0
+"""What a limit lacks is made up for e^-3 short of the whole in a step."""
+
+
+class SmallSteps:
+    """Steps a cloth; held points go to where `place` has them, straight."""
+
+    STATISTICS = ("cloth_substeps", "cloth_contacts", "cloth_rounds", "cloth_held_back", "cloth_stuck")
+    """Small steps, contacts, how often they were made, points that could not go all their way, and pairs that solids
+    push through."""
+
+    def __init__(self, mesh: ClothMesh, collisions: Collisions):
+        self.mesh = mesh
+        self.collisions = collisions
+        self.way = Way(
+            start=vectors(np.zeros((mesh.total, 3))), before=vectors(np.zeros((mesh.count, 3))), aims=mesh.place
+        )
+        self._speed, self._ahead = (vectors(np.zeros((mesh.total, 3))) for _ in range(2))
+
+    def substeps(self, dt: float) -> int:
+        """How many small steps a step of dt [s] takes."""
+        raise NotImplementedError
+
+    def run(self, dt: float, number: int) -> None:
+        """Take so many small steps of dt [s]."""
+        raise NotImplementedError
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.way.start
+        number = self.substeps(dt)
+        contact_projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.way)
+        collisions.begin(start)
+        collisions.find(start, self._ahead, AHEAD)
+        for rounds in range(1, ROUNDS + 1):
+            contact_projection.share_out(mesh.count, collisions.count, points, collisions.touches)
+            self.run(dt / number, number)
+            contact_projection.carry_solids(mesh.count, mesh.total, dt, points, self.way)
+            if not collisions.find(start, points.position):
+                break
+            if rounds < ROUNDS:
+                contact_projection.put_back(mesh.total, points, self._speed, self.way)
+        share, stuck = collisions.hold_back(start, points.position)
+        held_back = int((share < 1).sum())
+        if held_back:
+            contact_projection.slow(mesh.count, numbers(share), points)
+        collisions.end()
+        return dict(zip(self.STATISTICS, (number, collisions.count, rounds, held_back, stuck), strict=True))
+
+    def keep_apart(self, dt: float, number: int, left: int) -> None:
+        """Let contacts hold in one of so many small steps of dt [s]."""
+        mesh, collisions = self.mesh, self.collisions
+        if collisions.count:
+            contact_projection.keep_apart(
+                mesh.count,
+                collisions.count,
+                number,
+                left,
+                dt,
+                self.prompt(number),
+                mesh.points,
+                collisions.touches,
+                self.way,
+            )
+
+    @staticmethod
+    def prompt(number: int) -> float:
+        """Of what a limit lacks, the share that one of so many small steps makes up for."""
+        return min(1.0, PROMPT / number)
+
+    @property
+    def bytes(self) -> int:
+        return 8 * 3 * (3 * self.mesh.total + self.mesh.count) + self.collisions.bytes
