@@ -40,13 +40,9 @@ class ClothMesh:
         self.placed = np.concatenate([self.placed, solids])
         self.triangles = np.concatenate([fabric.triangles + start for _, fabric, start in parts])
         springs = [_springs(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
-        self.ends, self.rest, self.stiffness, self.damping = (
-            np.concatenate(part) for part in zip(*springs, strict=True)
-        )
+        self.ends, self.rest, self.stiffness, self.damping = _near_first(springs)
         hinges = [_hinges(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
-        self.corners, self.rest_angle, self.rigidity, self.bend_damping = (
-            np.concatenate(part) for part in zip(*hinges, strict=True)
-        )
+        self.corners, self.rest_angle, self.rigidity, self.bend_damping = _near_first(hinges)
         self.springs, self.hinges = len(self.ends), len(self.corners)
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
@@ -94,6 +90,13 @@ class AirDrag:
             drag.drag(
                 mesh.count, self.wind, *self._factors, *self._tables, mesh.points, self.face, self.across, self.along
             )
+
+
+def _near_first(parts: list[tuple[np.ndarray, ...]]) -> tuple[np.ndarray, ...]:
+    """All parts as one, in the order of their points: kernels that go from point to point then find them in caches."""
+    whole = [np.concatenate(part) for part in zip(*parts, strict=True)]
+    order = np.lexsort(np.sort(whole[0], axis=1).T[::-1])
+    return tuple(values[order] for values in whole)
 
 
 def _springs(

@@ -1,0 +1,167 @@
+"""A square of cloth falls on a ball: what each integrator costs and what it leaves undone, beside Blender's own cloth.
+
+    python tests/benchmarks/cloth_drape.py --cells 100
+
+All runs take turns, each in a process of its own. Told of each: seconds on the wall per simulated second (the median of
+its turns); how much of the weight is out of balance at its end: m (v1 - v0) / h - m g - springs(x1) - contacts, by its
+root mean square over the points, for one more step of the length h with which it steps; how far the cloth is in the
+ball; and how far its threads are stretched, root mean square and most.
+
+Blender's springs are as stiff as ours along threads (its stiffness is a force per strain), do not damp and do not bend;
+its contacts push apart what is nearer than the same thickness. "blender 5" takes 5 steps in a frame.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+SIZE, RADIUS, GAP = 1.0, 0.25, 0.01
+MASS_PER_AREA, STRETCH_STIFFNESS = 0.2, 1000.0
+INTEGRATORS = ("implicit_euler", "symplectic_euler", "xpbd")
+
+
+@dataclass(frozen=True)
+class Drape:
+    """What a run came to; `points` [m], shape [n, 3], with the ball's middle at the origin."""
+
+    wall: float
+    points: np.ndarray
+    imbalance: float = np.nan
+
+
+def thickness(cells: int) -> float:
+    return min(0.4 * SIZE / cells, 0.004)
+
+
+def ours(integrator: str, cells: int, seconds: float, threads: int) -> Drape:
+    from sim import runtime
+    from sim.spec import SimulationSpec
+    from sim.world import Counts, World
+
+    runtime.start(threads=threads, arch="cpu")
+    sheet = {"shape": {"type": "sheet", "size": [SIZE, SIZE]}, "spacing": SIZE / cells, "thickness": thickness(cells),
+             "position": [0, RADIUS + GAP, 0], "mass_per_area": MASS_PER_AREA, "stretch_stiffness": STRETCH_STIFFNESS,
+             "damping": 0, "bend_damping": 0, "bend_stiffness": 1e-9}  # fmt: skip
+    ball = {"shape": {"type": "sphere", "radius": RADIUS}, "friction": 0.3}
+    spec = {"fps": 24, "rigid": {"bodies": {"ball": ball}}, "cloth": {"integrator": integrator}}
+    spec["cloth"]["sheets"] = {"sheet": sheet}
+    world = World(SimulationSpec.model_validate(spec), Path())
+    world.build(None, {}, Counts(), print, 0.0, going_on=False)
+    dt = world.cloth.settings.max_step
+    for step in (1, 2):
+        world.advance(dt, step * dt)
+    # Kernels are compiled; now from the start.
+    world.build(None, {}, Counts(), print, 0.0, going_on=False)
+    begun = time.perf_counter()
+    steps = round(seconds / dt)
+    for step in range(1, steps + 1):
+        world.advance(dt, step * dt)
+    wall = time.perf_counter() - begun
+    return Drape(wall / seconds, world.cloth.vertices("sheet")[0], imbalance(world, dt, steps * dt))
+
+
+def imbalance(world, dt: float, now: float) -> float:
+    """Root mean square of what is out of balance in one more step, over that of the weights."""
+    from sim.cloth.pull import pulls
+
+    cloth = world.cloth
+    mesh, h = cloth.mesh, dt
+    if hasattr(cloth.integrator, "substeps"):
+        h = dt / cloth.integrator.substeps(dt)
+        cloth.integrator.substeps = lambda dt: 1
+    before = mesh.points.velocity.to_numpy()[: mesh.count]
+    cloth.advance(h, now + h)
+    change = (mesh.points.velocity.to_numpy()[: mesh.count] - before) / h
+    known, force = cloth.collisions.known, np.zeros((mesh.count, 3))
+    if len(known.key):
+        each = cloth.collisions.touches.touch_force.to_numpy()[: len(known.key)]
+        for corner in range(4):
+            rows = known.key[:, 1 + corner]
+            own = (rows >= 0) & (rows < mesh.count)
+            np.add.at(force, rows[own], known.weight[own, corner, None] * each[own])
+    weight = mesh.mass[:, None] * np.array([0, -9.81, 0])
+    left = mesh.mass[:, None] * change - weight - pulls(mesh) - force
+    return float(np.sqrt((left**2).sum() / (weight**2).sum()))
+
+
+def blender(cells: int, seconds: float, quality: int) -> Drape:
+    import trimesh
+
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=RADIUS)
+    with tempfile.TemporaryDirectory() as folder:
+        case = {"cells": cells, "size": SIZE, "height": RADIUS + GAP, "seconds": seconds, "quality": quality,
+                "mass_per_area": MASS_PER_AREA, "stretch_stiffness": STRETCH_STIFFNESS, "thickness": thickness(cells),
+                "ball_points": ball.vertices.tolist(), "ball_triangles": ball.faces.tolist(),
+                "out": f"{folder}/points.npy"}  # fmt: skip
+        command = [sys.executable, str(Path(__file__).with_name("blender_cloth.py"))]
+        done = subprocess.run(command, input=json.dumps(case), capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(done.stderr)
+        wall = float(next(line.split()[1] for line in done.stdout.splitlines() if line.startswith("wall ")))
+        return Drape(wall, np.load(case["out"]))
+
+
+def stretches(points: np.ndarray, cells: int) -> tuple[float, float]:
+    """Of the threads, over their lengths at rest: root mean square of the strain, and the greatest."""
+    grid = points.reshape(cells + 1, cells + 1, 3)
+    lengths = [np.linalg.norm(np.diff(grid, axis=axis), axis=2).ravel() for axis in (0, 1)]
+    strain = np.concatenate(lengths) / (SIZE / cells) - 1
+    return float(np.sqrt((strain**2).mean())), float(strain.max())
+
+
+def one(name: str, options: argparse.Namespace) -> None:
+    if name.startswith("blender"):
+        found = blender(options.cells, options.seconds, int(name.removeprefix("blender ")))
+    else:
+        found = ours(name, options.cells, options.seconds, options.threads)
+    depth = max(RADIUS - float(np.linalg.norm(found.points, axis=1).min()), 0.0)
+    mean, most = stretches(found.points, options.cells)
+    print(json.dumps([found.wall, found.imbalance, depth, mean, most]))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cells", type=int, default=100, help="of the cloth, along each side (default: 100)")
+    parser.add_argument("--seconds", type=float, default=0.25, help="simulated time [s] (default: 0.25)")
+    parser.add_argument("--turns", type=int, default=3, help="runs of each (default: 3)")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--quality", type=int, nargs="*", default=[5, 10], help="Blender's steps a frame (default: 5 10)")
+    parser.add_argument("--integrators", nargs="*", default=list(INTEGRATORS))
+    parser.add_argument("--one", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.one:
+        one(options.one, options)
+        return
+    names = [*options.integrators, *(f"blender {quality}" for quality in options.quality)]
+    found: dict[str, list[list[float]]] = {name: [] for name in names}
+    for turn in range(options.turns):
+        for name in names if turn % 2 == 0 else reversed(names):
+            command = [sys.executable, __file__, "--one", name, "--cells", str(options.cells)]
+            command += ["--seconds", str(options.seconds), "--threads", str(options.threads)]
+            done = subprocess.run(command, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True)
+            if done.returncode:
+                sys.exit(f"{name}: exit status {done.returncode}\n{done.stderr}")
+            found[name].append(json.loads(done.stdout.splitlines()[-1]))
+            print(f"{name}, turn {turn + 1}: {found[name][-1][0]:.1f} s a simulated second", file=sys.stderr)
+    print("| integrator | wall [s] per simulated second | out of balance | depth in the ball [mm] | strain, RMS | most |")
+    print("| --- | --- | --- | --- | --- | --- |")
+    for name in names:
+        wall, out, depth, mean, most = (statistics.median(values) for values in zip(*found[name], strict=True))
+        left = "" if np.isnan(out) else f"{out:.2g}"
+        print(f"| {name} | {wall:.1f} | {left} | {1e3 * depth:.2f} | {100 * mean:.2f} % | {100 * most:.1f} % |")
+
+
+if __name__ == "__main__":
+    main()
