@@ -98,7 +98,7 @@ class ImplicitEuler:
     def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
         mesh, trial = self.mesh, self.trial
-        newton.begin(
+        turning = newton.begin(
             mesh.count,
             mesh.total,
             mesh.springs,
@@ -112,6 +112,9 @@ class ImplicitEuler:
             mesh.angles,
             trial,
         )
+        if turning:
+            # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
+            newton.stay(mesh.count, mesh.points, trial)
         if load is not None:
             newton.load_on(mesh.count, dt, mesh.points, load, trial)
         self.collisions.begin(trial.start)

@@ -100,20 +100,34 @@ def begin(
     s: Strands,
     a: Angles,
     t: Trial,
-):
+) -> ti.i32:
     """Remember the start, and try the positions of steady motion, or of a free fall for points that are said to do so
-    (1 or 0); held points, and those of solids after the cloth's, are in `place` already."""
+    (1 or 0); held points, and those of solids after the cloth's, are in `place` already. Returns whether a spring would
+    turn by more than a right angle."""
     for i in range(total):
         x = p.position[i]
         t.start[i] = x
         if p.mobile[i]:
             t.aim[i] = x + dt * (p.velocity[i] + dt * gravity)
             t.place[i] = x + dt * (p.velocity[i] + falls[i] * dt * gravity)
+    turning = 0
     for k in range(springs):
-        _along, length = line(p.position[s.ends[2 * k]], p.position[s.ends[2 * k + 1]])
+        one, other = s.ends[2 * k], s.ends[2 * k + 1]
+        along, length = line(p.position[one], p.position[other])
         t.length_before[k] = length
+        if along.dot(t.place[one] - t.place[other]) < 0.0:
+            ti.atomic_max(turning, 1)
     for k in range(hinges):
         t.angle_before[k] = _hinge(k, a, p.position).angle
+    return turning
+
+
+@ti.kernel
+def stay(points: ti.i32, p: Points, t: Trial):
+    """Try the places of the start."""
+    for i in range(points):
+        if p.mobile[i]:
+            t.place[i] = t.start[i]
 
 
 @ti.kernel
