@@ -9,6 +9,8 @@ import math
 
 import numpy as np
 import taichi as ti
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from sim.cloth import conjugate_gradients, newton
 from sim.cloth.collision import Collisions
@@ -66,6 +68,9 @@ class ImplicitEuler:
             drag_across=mesh.air.across,
             drag_along=mesh.air.along,
         )
+        self._gravity = float(np.linalg.norm(gravity))
+        self._mass = float(mesh.mass[~mesh.held].sum())
+        self._adrift, self._held = numbers(_adrift(mesh)), numbers(np.zeros(mesh.count))
         self._term_room = 0
         self._tables = {
             "spring_normal": vectors(np.zeros((s, 3))),
@@ -93,18 +98,23 @@ class ImplicitEuler:
     def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
         mesh, trial = self.mesh, self.trial
-        newton.begin(
+        turning = newton.begin(
             mesh.count,
             mesh.total,
             mesh.springs,
             mesh.hinges,
             dt,
             self.gravity,
+            # What touches something is at rest more often than it falls.
+            self._held if self.collisions.count else self._adrift,
             mesh.points,
             mesh.strands,
             mesh.angles,
             trial,
         )
+        if turning:
+            # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
+            newton.stay(mesh.count, mesh.points, trial)
         if load is not None:
             newton.load_on(mesh.count, dt, mesh.points, load, trial)
         self.collisions.begin(trial.start)
@@ -119,7 +129,7 @@ class ImplicitEuler:
     def linearize(self, dt: float) -> None:
         """Find how points give way to forces where they are foreseen."""
         self._assess(dt)
-        newton.linearize(self.mesh.air.present, self.mesh.count, dt, self.mesh.air.wind, *self._parts)
+        self._linearize(dt)
 
     def give_way(self, dt: float, load: ti.Ndarray) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
@@ -150,17 +160,22 @@ class ImplicitEuler:
     def _converge(self, dt: float) -> np.ndarray:
         """Newton's method; returns steps, iterations, and whether a cap was met."""
         energy = self._assess(dt)
-        iterations, capped, passes = 0, 0, 0
-        for step in range(1, self.settings.max_newton + 1):
-            made, ended = self._solve(dt)
+        iterations, capped, passes, way = 0, 0, 0, math.inf
+        slow = self.settings.velocity_error * dt
+        for step in range(self.settings.max_newton + 1):
+            first, unbalanced = self._linearize(dt)
+            if way == 0.0 or (way <= slow and unbalanced <= self._balanced(dt)):
+                passes += 1
+                if passes == PASSES or self.collisions.press_on() <= slow:
+                    return np.array([step, iterations, capped])
+                energy = self._assess(dt)
+                first, _ = self._linearize(dt)
+            if step == self.settings.max_newton:
+                break
+            made, ended = self._iterate(dt, first * self.settings.linear_error**2)
             iterations += made
             capped |= not ended
             energy, way = self._descend(dt, energy)
-            if way <= self.settings.velocity_error * dt:
-                passes += 1
-                if passes == PASSES or self.collisions.press_on() <= self.settings.velocity_error * dt:
-                    return np.array([step, iterations, capped])
-                energy = self._assess(dt)
         return np.array([step, iterations, 1])
 
     def _assess(self, dt: float) -> float:
@@ -181,11 +196,17 @@ class ImplicitEuler:
             self.system,
         )
 
-    def _solve(self, dt: float) -> tuple[int, bool]:
-        """Find the way from the places tried; returns iterations, and whether they ended before the cap."""
+    def _linearize(self, dt: float) -> tuple[float, float]:
+        """Look for the way from the places tried; returns r.z and the sum of r^2 / m."""
         mesh = self.mesh
-        first = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *self._parts)
-        return self._iterate(dt, first * self.settings.linear_error**2)
+        first, unbalanced = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *self._parts)
+        return first, unbalanced
+
+    def _balanced(self, dt: float) -> float:
+        """Sum of r^2 / m that may be left: next to stiff springs, a way too short to count may be all that there is of
+        a fall or a swing."""
+        acceleration = self.settings.linear_error * (self._gravity or self.settings.velocity_error / dt)
+        return self._mass * acceleration**2
 
     @property
     def _parts(self) -> tuple:
@@ -232,3 +253,10 @@ class ImplicitEuler:
     def bytes(self) -> int:
         n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
         return 8 * (n * (3 * 8 + 9 + 1) + s * (3 + 3 + 2) + h * (12 + 5)) + self.collisions.bytes
+
+
+def _adrift(mesh: ClothMesh) -> np.ndarray:
+    """1 for points that no springs tie to a held one, 0 for others, shape [points]."""
+    ones = np.ones(len(mesh.ends))
+    _, piece = connected_components(coo_array((ones, tuple(mesh.ends.T)), shape=(mesh.count, mesh.count)))
+    return 1.0 - np.isin(piece, piece[mesh.held])

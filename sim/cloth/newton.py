@@ -15,7 +15,7 @@ from sim.cloth.hinges import fold, turned
 from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
 from sim.cloth.springs import block, line
 from sim.cloth.touch import touch_energy
-from sim.double import Matrices, Numbers, Vectors, mat3, vec3
+from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3
 
 BEFORE, NOW, BEND = range(3)
 """Scalars of conjugate gradients: r.z of the iteration before and of this one, and p.Ap."""
@@ -95,24 +95,39 @@ def begin(
     hinges: ti.i32,
     dt: ti.f64,
     gravity: vec3,
+    falls: Numbers,
     p: Points,
     s: Strands,
     a: Angles,
     t: Trial,
-):
-    """Remember the start, and try the positions of steady motion; held points, and those of solids after the cloth's,
-    are in `place` already."""
+) -> ti.i32:
+    """Remember the start, and try the positions of steady motion, or of a free fall for points that are said to do so
+    (1 or 0); held points, and those of solids after the cloth's, are in `place` already. Returns whether a spring would
+    turn by more than a right angle."""
     for i in range(total):
         x = p.position[i]
         t.start[i] = x
         if p.mobile[i]:
             t.aim[i] = x + dt * (p.velocity[i] + dt * gravity)
-            t.place[i] = x + dt * p.velocity[i]
+            t.place[i] = x + dt * (p.velocity[i] + falls[i] * dt * gravity)
+    turning = 0
     for k in range(springs):
-        _along, length = line(p.position[s.ends[2 * k]], p.position[s.ends[2 * k + 1]])
+        one, other = s.ends[2 * k], s.ends[2 * k + 1]
+        along, length = line(p.position[one], p.position[other])
         t.length_before[k] = length
+        if along.dot(t.place[one] - t.place[other]) < 0.0:
+            ti.atomic_max(turning, 1)
     for k in range(hinges):
         t.angle_before[k] = _hinge(k, a, p.position).angle
+    return turning
+
+
+@ti.kernel
+def stay(points: ti.i32, p: Points, t: Trial):
+    """Try the places of the start."""
+    for i in range(points):
+        if p.mobile[i]:
+            t.place[i] = t.start[i]
 
 
 @ti.kernel
@@ -182,8 +197,9 @@ def linearize(
     touch: Touches,
     t: Trial,
     e: System,
-) -> ti.f64:
-    """Forces that are left at the places tried, and the preconditioner: blocks of the diagonal. Returns r.z."""
+) -> vec2:
+    """Forces that are left at the places tried, and the preconditioner: blocks of the diagonal. Returns r.z, and the
+    sum of r^2 / m, which bounds what is wrong whatever the springs: A is at least m / dt^2."""
     for i in range(points):
         z, r = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
         if p.mobile[i]:
@@ -226,7 +242,18 @@ def linearize(
     for _once in range(1):
         total = add_ranges(points, e.term)
         e.scalar[NOW] = total
-    return e.scalar[NOW]
+    for i in range(points):
+        left = ti.cast(0.0, ti.f64)
+        if p.mobile[i]:
+            left = e.residual[i].norm_sqr() / p.mass[i]
+        e.term[i] = left
+    for row in range(ROWS):
+        add_range(row, points, e.term)
+    unbalanced = ti.cast(0.0, ti.f64)
+    ti.loop_config(serialize=True)
+    for _once in range(1):
+        unbalanced = add_ranges(points, e.term)
+    return vec2(e.scalar[NOW], unbalanced)
 
 
 @ti.kernel

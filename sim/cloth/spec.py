@@ -132,7 +132,8 @@ class ImplicitEuler(Settings):
     """Newton's method and conjugate gradients."""
 
     velocity_error: PositiveSpeed = 0.01
-    """Newton's method ends when no velocity changes by more than this [m/s]."""
+    """Newton's method ends when no velocity changes by more than this [m/s], and forces are balanced: on average to
+    within linear_error of the weight."""
     max_newton: Annotated[int, Ge(1), Le(1000)] = 20
     linear_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 1e-2
     """Of each linear system: residual over the first one."""
