@@ -19,7 +19,7 @@ def passed(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, moving:
     points = np.unique(triangles)[:, None]
     count = 0
     for one, other, inside in ((points, triangles, _in_triangle), (edges, edges, _on_edges)):
-        pairs = _near(before, after, one, other)
+        pairs = _near_moving(before, after, one, other, moving)
         corners = np.concatenate([one[pairs[:, 0]], other[pairs[:, 1]]], axis=1)
         if inside is _on_edges:
             corners = corners[pairs[:, 0] < pairs[:, 1]]
@@ -42,6 +42,19 @@ def went_through(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, s
 def _boxes(before: np.ndarray, after: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     both = np.concatenate([before[members], after[members]], axis=1)
     return both.min(axis=1), both.max(axis=1)
+
+
+def _near_moving(
+    before: np.ndarray, after: np.ndarray, one: np.ndarray, other: np.ndarray, moving: np.ndarray
+) -> np.ndarray:
+    """As `_near`, without pairs of which nothing moves."""
+    found = []
+    for cloth, against in ((True, np.arange(len(other))), (False, np.flatnonzero(moving[other].any(axis=1)))):
+        rows = np.flatnonzero(moving[one].any(axis=1) == cloth)
+        if len(rows) and len(against):
+            pairs = _near(before, after, one[rows], other[against])
+            found.append(np.column_stack([rows[pairs[:, 0]], against[pairs[:, 1]]]))
+    return np.concatenate(found)
 
 
 def _near(before: np.ndarray, after: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
