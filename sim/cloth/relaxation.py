@@ -10,7 +10,8 @@ from scipy.sparse.linalg import splu
 
 FIRM = 1e-3
 """How firmly points stay where they are, over how firmly springs hold their length."""
-ROUNDS = 10
+ROUNDS = 20
+"""In which springs turn to where points have gone."""
 
 
 @dataclass(frozen=True)

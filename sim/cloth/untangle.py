@@ -27,9 +27,11 @@ if TYPE_CHECKING:
     from sim.cloth.solids import Solids
     from sim.cloth.state import ClothState
 
-ROUNDS = 150
-FORCE, GROWTH, MOST_FORCE = 1.0, 1.2, 1e4
+ROUNDS = 100
+FORCE, GROWTH, MOST_FORCE = 0.1, 1.1, 1e3
 """How firmly cloth is pushed in the first round; by how much more in each; and at most."""
+WORSE = 4
+"""With so many times the crossings of the start it is given up."""
 STRIDE = 1.0
 """Cloth is pushed through by so many mean edges in a round: what hangs on it can follow."""
 NOTICEABLE = 0.01
@@ -104,6 +106,8 @@ class _Tangle:
         self._layers = Layers([*parts, solids.triangles + self.count], [*counts, len(solids.points)])
         self._flat = np.array([new and item.sheet.shape.type == "sheet" for item, _, new, *_ in rows] + [True])
         self._size = float(np.ptp(self.places, axis=0).max())
+        self._one_by_one = False
+        """Whether only one pair of surfaces is taken apart in a round."""
         self._filled = [Filled(solids, body) for body in solids.filled]
         springs = [np.concatenate([item.fabric.springs, item.fabric.hinges[:, 2:]]) + start for item, *_, start in rows]
         self._springs = np.concatenate(springs)
@@ -127,8 +131,19 @@ class _Tangle:
             return []
         found = self._tell(crossings, beyond, inside)
         self._refuse_pins_inside()
-        force = FORCE
+        try:
+            self._go_apart(crossings, beyond, inside)
+        except Refused:
+            # Sheets that go out of each other's way all at once may hinder one another.
+            self._one_by_one, self.places = True, begin.copy()
+            self._go_apart(crossings, beyond, inside)
+        return self._moved(begin, found)
+
+    def _go_apart(self, crossings: Crossings, beyond: np.ndarray, inside: list[tuple[np.ndarray, Filled]]) -> None:
+        force, most = FORCE, WORSE * (len(crossings) + len(self.sheets))
         for _ in range(ROUNDS):
+            if len(crossings) > most:
+                raise self._refused(crossings)
             if len(crossings) or len(beyond):
                 self._push(crossings, beyond, force)
                 force = min(GROWTH * force, MOST_FORCE)
@@ -141,7 +156,6 @@ class _Tangle:
             inside = [] if len(crossings) or len(beyond) else self._inside()
         else:
             raise self._refused(crossings, beyond, inside)
-        return self._moved(begin, found)
 
     def _cross(self, flat: np.ndarray | None = None) -> Crossings:
         crossings = self._layers.cross(self.places, flat=flat)
@@ -209,12 +223,22 @@ class _Tangle:
         if not len(crossings):
             return []
         label, found = self._topology.pieces(crossings.ends), []
-        for contour in trace(self._topology, crossings):
+        contours = trace(self._topology, crossings)
+        if self._one_by_one:
+            pairs = [self._parts(crossings, contour) for contour in contours]
+            contours = [contour for contour, pair in zip(contours, pairs, strict=True) if pair == min(pairs)]
+        for contour in contours:
             pieces = cut_off(self._topology, crossings, contour, label, self.places)
             choices = [self._push_back(crossings, piece) for piece in pieces]
             possible = [pushes for pushes in choices if not pushes.held(self._free).any()]
             found.append((possible or choices or [self._shorten(crossings, contour)])[0])
         return found
+
+    def _parts(self, crossings: Crossings, contour: Contour) -> list[int]:
+        """The two surfaces that cross along a contour."""
+        row = contour.rows[0]
+        points = np.array([crossings.ends[row, 0], self._corners(crossings)[row, 0]])
+        return sorted(self._layers.part_of_point[points].tolist())
 
     def _push_back(self, crossings: Crossings, piece: Piece) -> Pushes:
         """A piece goes back through the other surface, or that gives way."""
