@@ -168,9 +168,7 @@ def patch(topology: Topology, crossings: Crossings, piece: Piece) -> np.ndarray:
     return np.flatnonzero(near[topology.triangles].any(axis=1) & ~inside[topology.triangles].any(axis=1))
 
 
-def shortening(
-    topology: Topology, crossings: Crossings, contour: Contour, places: np.ndarray
-) -> np.ndarray:
+def shortening(topology: Topology, crossings: Crossings, contour: Contour, places: np.ndarray) -> np.ndarray:
     """How edges should move against the triangles that they cross for the contour to become shorter, shape [n, 3].
 
     The gradient of the contour's length (Volino and Magnenat-Thalmann 2006): R - 2 (R.e / N.e) N, of the sum R of the

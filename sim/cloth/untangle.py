@@ -59,14 +59,12 @@ class Untangled:
         if not self.crossings:
             return f"the sheet '{self.sheet}' was in the way of another: {moved}"
         return (
-            f"the sheet '{self.sheet}' is placed through {_listed(self.through)}, {self.crossings} times: {moved}, "
+            f"the sheet '{self.sheet}' is placed through {_listed(self.sheet, self.through)}, {self.crossings} times: {moved}, "
             "and it begins there"
         )
 
 
-def untangle(
-    sheets: list[PlacedSheet], state: ClothState, solids: Solids
-) -> tuple[list[PlacedSheet], list[Untangled]]:
+def untangle(sheets: list[PlacedSheet], state: ClothState, solids: Solids) -> tuple[list[PlacedSheet], list[Untangled]]:
     """The sheets with the places where they begin, and what was done; those in `state` stay where they are.
 
     Raises Refused where there is no way out.
@@ -297,7 +295,8 @@ class _Tangle:
     def _tell(self, crossings: Crossings, beyond: np.ndarray, inside: list) -> dict[str, Counter]:
         """How often sheets are through what."""
         found = {item.name: Counter() for item in self.sheets}
-        pairs = [(self._name(a), self._name(b)) for a, b in zip(crossings.ends[:, 0], self._corners(crossings)[:, 0])]
+        ends = np.column_stack([crossings.ends[:, 0], self._corners(crossings)[:, 0]])
+        pairs = [(self._name(one), self._name(other)) for one, other in ends]
         pairs += [(self._name(point), self.solids.wall_names[wall]) for point, wall in beyond]
         pairs += [(self._name(points[0]), body.name) for points, body in inside]
         for one, other in pairs:
@@ -320,7 +319,7 @@ class _Tangle:
     def _refused(self, crossings: Crossings, beyond: np.ndarray = (), inside: list = ()) -> Refused:
         told = self._tell(crossings, beyond, inside)
         sheet = max(told, key=lambda name: told[name].total())
-        through = _listed([f"'{name}'" if name != sheet else "itself" for name in told[sheet]])
+        through = _listed(sheet, list(told[sheet]))
         return Refused(
             f"the sheet is placed through {through}, and no way apart was found that leaves its pins where they are",
             location=("cloth", "sheets", sheet),
@@ -328,5 +327,6 @@ class _Tangle:
         )
 
 
-def _listed(names: list[str]) -> str:
+def _listed(sheet: str, others: list[str]) -> str:
+    names = ["itself" if name == sheet else f"'{name}'" for name in others]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -62,11 +62,13 @@ def test_two_sheets_through_each_other(other):
     assert [item.sheet for item in world.untangled] == ["one", "two"]
     assert world.untangled[0].through == ["two"] and world.untangled[0].crossings > 10
     assert crossings(world) == 0
-    assert 0.9 < stretch(world).min() and stretch(world).max() < 1.1
-    assert passages(world, 0.1, 0.005) == 0
+    assert stretch(world).min() > 0.9
+    assert stretch(world).max() < 1.1
+    assert passages(world, 0.03, 0.005) == 0
     assert crossings(world) == 0
 
 
+@pytest.mark.slow
 def test_three_sheets_through_one_another():
     cloth = sheet((0.5, 0.5), spacing=0.05, thickness=0.01)
     flat = cloth | {"position": [0.02, 0.03, 0.01]}
@@ -85,29 +87,32 @@ def test_a_strip_that_is_rolled_through_itself(tmp_path):
     assert world.untangled[0].through == ["roll"]
     assert crossings(world) == 0
     assert stretch(world).max() < 1.2
-    assert passages(world, 0.1, 0.005) == 0
+    assert passages(world, 0.03, 0.005) == 0
 
 
-@pytest.mark.parametrize("height", [0.0, 0.07])
+@pytest.mark.parametrize("height", [pytest.param(0.0, marks=pytest.mark.slow), 0.07])
 def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     cloth = sheet((0.6, 0.6), spacing=0.06, thickness=0.01, position=[0, height, 0.01])
     world = scene({"cloth": cloth}, {"ball": BALL})
     assert world.untangled[0].through == ["ball"]
     assert crossings(world) == 0
-    assert passages(world, 0.3, 0.005) == 0
+    assert passages(world, 0.02, 0.005) == 0
+    for k in range(5, 61):
+        world.advance(0.005, k * 0.005)
+    assert crossings(world) == 0
     points = world.cloth.vertices("cloth")[0]
     # Pieces of it hang beside the ball, and none is in it.
     assert np.linalg.norm(points, axis=1).min() > 0.19
     assert points[:, 1].max() > 0.19 and points[:, 1].min() < 0.15
 
 
-@pytest.mark.parametrize("turn", [0, 45])
+@pytest.mark.parametrize("turn", [pytest.param(0, marks=pytest.mark.slow), 45])
 def test_a_sheet_that_a_box_sticks_through(turn):
     edge = box((0.3, 0.3, 1.0), rotation=[{"axis": [0, 0, 1], "angle": turn}]) | {"motion": "static"}
     cloth = sheet((0.6, 0.6), spacing=0.06, thickness=0.01, position=[0.01, 0.1, 0])
     world = scene({"cloth": cloth}, {"box": edge})
     assert crossings(world) == 0
-    assert passages(world, 0.1, 0.005) == 0
+    assert passages(world, 0.03, 0.005) == 0
 
 
 def test_a_sheet_inside_a_ball_and_one_below_the_floor_come_out():
