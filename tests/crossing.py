@@ -15,6 +15,13 @@ def crossed(places: np.ndarray, triangles: np.ndarray, cloth: np.ndarray | None 
     edges = np.unique(
         np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
     )
+    of_cloth = cloth[edges].any(axis=1)
+    return _crossed(places, edges[of_cloth], triangles, portion) + _crossed(
+        places, edges[~of_cloth], triangles[cloth[triangles].any(axis=1)], portion
+    )
+
+
+def _crossed(places: np.ndarray, edges: np.ndarray, triangles: np.ndarray, portion: int) -> int:
     corners = places[triangles]
     low, high, count = corners.min(axis=1), corners.max(axis=1), 0
     for start in range(0, len(edges), portion):
@@ -23,8 +30,7 @@ def crossed(places: np.ndarray, triangles: np.ndarray, cloth: np.ndarray | None 
         near = (np.minimum(p, q)[:, None] <= high).all(axis=2) & (low <= np.maximum(p, q)[:, None]).all(axis=2)
         row, face = np.nonzero(near)
         apart = (ends[row][:, :, None] != triangles[face][:, None]).all(axis=(1, 2))
-        some = cloth[ends[row]].any(axis=1) | cloth[triangles[face]].any(axis=1)
-        row, face = row[apart & some], face[apart & some]
+        row, face = row[apart], face[apart]
         a, b, c = (corners[face, k] for k in range(3))
         matrix = np.stack([p[row] - q[row], b - a, c - a], axis=-1)
         solvable = np.abs(np.linalg.det(matrix)) > 1e-14 * np.abs(matrix).max(axis=(1, 2), initial=0) ** 3

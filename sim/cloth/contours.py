@@ -116,9 +116,15 @@ class Piece:
 
 
 def cut_off(
-    topology: Topology, crossings: Crossings, contour: Contour, label: np.ndarray, places: np.ndarray
+    topology: Topology,
+    crossings: Crossings,
+    contour: Contour,
+    label: np.ndarray,
+    places: np.ndarray,
+    filled: np.ndarray,
 ) -> list[Piece]:
-    """Pieces that a contour cuts off either surface, the smallest first; `label`: `Topology.pieces` of all cuts."""
+    """Pieces that a contour cuts off either surface, the smallest first. `label`: `Topology.pieces` of all cuts;
+    `filled`: whether points are of solids with an inside, from which nothing goes back inward."""
     if contour.single:
         return []
     rows = [contour.rows[contour.first == side] for side in (True, False)]
@@ -134,7 +140,10 @@ def cut_off(
         behind, before = _sides(label[np.where(cut.upward[:, None], cut.ends, cut.ends[:, ::-1])])
         if np.linalg.norm(mean) < ONE_WAY:
             continue
-        for side, way in ((behind, mean), (before, -mean)):
+        sides = (
+            [(behind, mean)] if filled[topology.triangles[cut.triangle]].all() else [(behind, mean), (before, -mean)]
+        )
+        for side, way in sides:
             if not len(side) or len(np.intersect1d(side, beyond)):
                 continue
             points = np.flatnonzero(np.isin(label, side))

@@ -9,6 +9,7 @@ is inside a solid altogether goes out the shortest way.
 from __future__ import annotations
 
 import functools
+import itertools
 from collections import Counter
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -58,10 +59,8 @@ class Untangled:
         moved = f"{self.points} of its points were moved by up to {self.furthest * 1000:.3g} mm"
         if not self.crossings:
             return f"the sheet '{self.sheet}' was in the way of another: {moved}"
-        return (
-            f"the sheet '{self.sheet}' is placed through {_listed(self.sheet, self.through)}, {self.crossings} times: {moved}, "
-            "and it begins there"
-        )
+        through = f"{_listed(self.sheet, self.through)}, {self.crossings} times"
+        return f"the sheet '{self.sheet}' is placed through {through}: {moved}, and it begins there"
 
 
 def untangle(sheets: list[PlacedSheet], state: ClothState, solids: Solids) -> tuple[list[PlacedSheet], list[Untangled]]:
@@ -84,7 +83,7 @@ class _Tangle:
         counts = [len(item.fabric.points) for item in sheets]
         starts = np.cumsum([0, *counts])
         self.count = int(starts[-1])
-        self.of_sheet = [slice(a, b) for a, b in zip(starts, starts[1:], strict=False)]
+        self.of_sheet = [slice(a, b) for a, b in itertools.pairwise(starts)]
         known = [state.of(item.name) for item in sheets]
         fresh = [found is None or len(found[0]) != count for found, count in zip(known, counts, strict=True)]
         rows = list(zip(sheets, known, fresh, counts, starts, strict=False))
@@ -104,6 +103,7 @@ class _Tangle:
         self._layers = Layers([*parts, solids.triangles + self.count], [*counts, len(solids.points)])
         self._flat = np.array([new and item.sheet.shape.type == "sheet" for item, _, new, *_ in rows] + [True])
         self._size = float(np.ptp(self.places, axis=0).max())
+        self._of_filled = np.concatenate([np.zeros(self.count, bool), np.isin(solids.body, solids.filled)])
         self._one_by_one = False
         """Whether only one pair of surfaces is taken apart in a round."""
         self._filled = [Filled(solids, body) for body in solids.filled]
@@ -226,7 +226,7 @@ class _Tangle:
             pairs = [self._parts(crossings, contour) for contour in contours]
             contours = [contour for contour, pair in zip(contours, pairs, strict=True) if pair == min(pairs)]
         for contour in contours:
-            pieces = cut_off(self._topology, crossings, contour, label, self.places)
+            pieces = cut_off(self._topology, crossings, contour, label, self.places, self._of_filled)
             choices = [self._push_back(crossings, piece) for piece in pieces]
             possible = [pushes for pushes in choices if not pushes.held(self._free).any()]
             found.append((possible or choices or [self._shorten(crossings, contour)])[0])

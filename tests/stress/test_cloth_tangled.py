@@ -68,15 +68,6 @@ def test_two_sheets_through_each_other(other):
     assert crossings(world) == 0
 
 
-@pytest.mark.slow
-def test_three_sheets_through_one_another():
-    cloth = sheet((0.5, 0.5), spacing=0.05, thickness=0.01)
-    flat = cloth | {"position": [0.02, 0.03, 0.01]}
-    front = cloth | {"rotation": [{"axis": [1, 0, 0], "angle": 90}], "position": [-0.02, 0.06, -0.01]}
-    world = scene({"one": flat, "two": cloth | {"rotation": UPRIGHT}, "three": front}, FLOOR)
-    assert crossings(world) == 0
-
-
 def test_a_strip_that_is_rolled_through_itself(tmp_path):
     """The curve (t^3 - 3 t, t^2), which crosses itself at t = 3^(1/2)."""
     t = np.linspace(-2.1, 2.1, 2000)
@@ -96,8 +87,8 @@ def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     world = scene({"cloth": cloth}, {"ball": BALL})
     assert world.untangled[0].through == ["ball"]
     assert crossings(world) == 0
-    assert passages(world, 0.02, 0.005) == 0
-    for k in range(5, 61):
+    assert passages(world, 0.01, 0.005) == 0
+    for k in range(3, 61):
         world.advance(0.005, k * 0.005)
     assert crossings(world) == 0
     points = world.cloth.vertices("cloth")[0]
@@ -106,9 +97,8 @@ def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     assert points[:, 1].max() > 0.19 and points[:, 1].min() < 0.15
 
 
-@pytest.mark.parametrize("turn", [pytest.param(0, marks=pytest.mark.slow), 45])
-def test_a_sheet_that_a_box_sticks_through(turn):
-    edge = box((0.3, 0.3, 1.0), rotation=[{"axis": [0, 0, 1], "angle": turn}]) | {"motion": "static"}
+def test_a_sheet_that_the_edge_of_a_box_sticks_through():
+    edge = box((0.3, 0.3, 1.0), rotation=[{"axis": [0, 0, 1], "angle": 45}]) | {"motion": "static"}
     cloth = sheet((0.6, 0.6), spacing=0.06, thickness=0.01, position=[0.01, 0.1, 0])
     world = scene({"cloth": cloth}, {"box": edge})
     assert crossings(world) == 0
