@@ -60,6 +60,8 @@ class Run:
         self.good: Checkpoint | None = None
         """The state after the last frame that was written."""
         self._mended: set[str] = set()
+        self.untangled: dict[str, str] = {}
+        """What was said of sheets that do not begin where they are placed."""
         self.stop_requested = False
         """Set from outside to end the run between two steps."""
         self.steps_taken = 0
@@ -73,6 +75,7 @@ class Run:
         if self.spec.fluid is not None:
             from sim.fluid.part import FluidState
 
+            self.world.untangle(0.0)
             with self.stopwatch.phase("build"):
                 state = self._pour(FluidState(), list(self.spec.fluid.bodies))
         self._build(state, {}, going_on=False)
@@ -257,6 +260,12 @@ class Run:
         for one, other, depth in self.world.rigid.overlaps() if self.world.rigid else []:
             self.warn(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
 
+    def _tell_untangled(self) -> None:
+        """Warn of cloth that does not begin where it is placed."""
+        for item in self.world.untangled or []:
+            self.untangled[item.sheet] = item.line()
+            self.warn(item.line())
+
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         self._tell_mended()
         if state is not None or self.world.obstacles.dynamic or self.world.sheets:
@@ -267,6 +276,7 @@ class Run:
             self.measure = self.world.measure()
         if not going_on:
             self._tell_overlaps()
+            self._tell_untangled()
         self._refuse()
 
     def _refuse(self) -> None:

@@ -17,7 +17,9 @@ from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.cloth.part import ClothPart, PlacedSheet
+    from sim.cloth.solids import Solids
     from sim.cloth.state import ClothState
+    from sim.cloth.untangle import Untangled
     from sim.coupling.floating import Floating
     from sim.coupling.wet_cloth import WetCloth
     from sim.fluid.drains import Sink
@@ -81,6 +83,8 @@ class World:
         self.outlets = self._find_outlets()
         self.sinks = self._find_sinks()
         self.sheets = self._find_sheets()
+        self.untangled: list[Untangled] | None = None
+        """What became of sheets that are placed through something; None until that was looked for."""
         self.bounds = action_bounds([*self.sources, *self.outlets, *self.sheets], self.obstacles)
         self._refuse_remote()
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
@@ -246,17 +250,32 @@ class World:
         self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, self._rigid_state or RigidState())
         self._follow()
 
+    def untangle(self, time: float) -> None:
+        """Let cloth that begins at `time` [s] begin apart from what it is placed through; raises Refused."""
+        if self.untangled is None and self.sheets:
+            from sim.cloth.state import ClothState
+            from sim.cloth.untangle import untangle
+
+            state = self._cloth_state or ClothState()
+            self.sheets, self.untangled = untangle(self.sheets, state, self._solids(time))
+
     def _build_cloth(self, time: float) -> None:
         from sim.cloth.part import ClothPart
         from sim.cloth.state import ClothState
 
-        solids = None
-        if self.obstacles.placed or self.obstacles.walls:
-            from sim.coupling.cloth_rigid import find_solids
-
-            solids = find_solids(self.spec, self.obstacles, time)
+        self.untangle(time)
         state = self._cloth_state or ClothState()
-        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, solids)
+        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, self._solids(time))
+
+    def _solids(self, time: float) -> Solids:
+        """What cloth may meet, where it is at `time` [s]."""
+        if not (self.obstacles.placed or self.obstacles.walls):
+            from sim.cloth.solids import Solids
+
+            return Solids.none()
+        from sim.coupling.cloth_rigid import find_solids
+
+        return find_solids(self.spec, self.obstacles, time)
 
     def step_limit(self, measure: Measure | None) -> float:
         """Largest stable time step [s]; infinite where nothing moves."""

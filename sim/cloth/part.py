@@ -35,11 +35,18 @@ class PlacedSheet:
     fabric: Fabric
     held: np.ndarray
     leads: list[Lead]
+    moved: np.ndarray | None = None
+    """Where its points begin instead, since it is placed through something [m], shape [n, 3]."""
+
+    @property
+    def begins(self) -> np.ndarray:
+        """Where its points begin [m], shape [n, 3]."""
+        return self.fabric.points if self.moved is None else self.moved
 
     @property
     def bounds(self) -> np.ndarray:
         """Box around it as placed and around where it is led [m], shape [2, 3]."""
-        places = [self.fabric.points, *(lead.motion.sweep(lead.placed) for lead in self.leads)]
+        places = [self.begins, *(lead.motion.sweep(lead.placed) for lead in self.leads)]
         return np.array(
             [np.min([p.min(axis=0) for p in places], axis=0), np.max([p.max(axis=0) for p in places], axis=0)]
         )
@@ -206,4 +213,4 @@ def _begin(item: PlacedSheet, state: ClothState) -> tuple[np.ndarray, np.ndarray
     if found is not None and len(found[0]) == len(item.fabric.points):
         return found
     velocity = np.where(item.held[:, None], 0.0, np.array(item.sheet.velocity))
-    return item.fabric.points, velocity
+    return item.begins, velocity

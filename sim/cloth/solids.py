@@ -24,7 +24,13 @@ class Solids:
     body: np.ndarray
     """Numbers of the bodies that points belong to, shape [n]."""
     walls: list[Wall]
+    names: list[str]
+    """Of the bodies."""
+    wall_names: list[str]
+    """Of what the walls belong to."""
+    filled: list[int]
+    """Numbers of the bodies that have an inside in which nothing can be."""
 
     @classmethod
     def none(cls) -> Solids:
-        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), np.zeros(0, int), [])
+        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), np.zeros(0, int), [], [], [], [])

@@ -35,7 +35,9 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         body.append(np.full(len(mesh.vertices), index))
     walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
     parts = (np.concatenate(part) for part in (triangles, slide, hold, body))
-    return Solids(places(obstacles, time), *parts, walls)
+    names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
+    filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
+    return Solids(places(obstacles, time), *parts, walls, names, wall_names, filled)
 
 
 def places(obstacles: Obstacles, time: float) -> np.ndarray:

@@ -58,7 +58,7 @@ def off_sheets(sheets: list[PlacedSheet], state: ClothState | None, points: np.n
     free = np.ones(len(points), dtype=bool)
     for item in sheets:
         now = state.of(item.name) if state else None
-        places = item.fabric.points if now is None else now[0]
+        places = item.begins if now is None else now[0]
         surface = trimesh.Trimesh(places, item.fabric.triangles, process=False)
         free[free] = MeshDistance(surface).unsigned(points[free]) > clearance
     return free
