@@ -48,6 +48,9 @@ class ClothMesh:
             np.concatenate(part) for part in zip(*hinges, strict=True)
         )
         self.springs, self.hinges = len(self.ends), len(self.corners)
+        shrinking = np.array([min(max(sheet.rest_scale, 1e-6), 1.0) for sheet in sheets])
+        self.shrinking = np.repeat(shrinking, [len(part[0]) for part in hinges])
+        """Of hinges: how much smaller than placed they are at rest."""
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
         position = np.concatenate([position, solids])
