@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -197,6 +198,8 @@ class Run:
             self.counts.steps_capped += int(told.get("capped", 0) > 0)
             self.counts.particles_squeezed += int(told.get("squeezed", 0))
             self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
+            self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
+            self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
             output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
             self._sample(output)
         return None
@@ -283,6 +286,7 @@ class Run:
         fault = find_fault(self.world, self.measure, 0.0)
         if fault is not None:
             raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
+        self._refuse_cloth_steps()
         short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
         if short is not None:
             raise Refused(short.what, remedy=short.remedy)
@@ -293,6 +297,29 @@ class Run:
                 f"a fixed step of {fixed:.3g} s is beyond the stability limit of {limit:.3g} s",
                 location=("step", "fixed"),
                 remedy="use a shorter step, or leave it out for an adaptive one",
+            )
+
+    def _refuse_cloth_steps(self) -> None:
+        """Refuse steps longer than cloth may take, and cloth that would need too many explicit ones in each."""
+        if not self.world.cloth:
+            return
+        limits, step = self.world.cloth.step_limits(), self.spec.step
+        most, stiff = limits["cloth step"], limits.get("cloth stiffness", math.inf)
+        if step.fixed is not None and step.fixed > most:
+            raise Refused(
+                f"a fixed step of {step.fixed:.3g} s is longer than those of cloth may be ({most:.3g} s)",
+                location=("step", "fixed"),
+                remedy="use a shorter one, or raise cloth.max_step",
+            )
+        longest = min(step.fixed or most, step.maximum or most, 1.0 / self.spec.fps)
+        if longest > stiff:
+            explicit = self.world.cloth.integrator.stable
+            raise Refused(
+                f"the stiffness of the cloth allows explicit steps of {explicit:.2g} s only, so that a step of "
+                f"{longest:.3g} s would need {longest / explicit:,.0f} of them (at most {stiff / explicit:,.0f})",
+                location=("cloth", "integrator"),
+                remedy="use implicit_euler, a lower stretch_stiffness or bend_stiffness, a larger spacing, "
+                "or a shorter cloth.max_step",
             )
 
     def _sample(self, output: Output) -> None:

@@ -58,6 +58,10 @@ class Counts:
     """Steps in which a pressure solver stopped at its cap of iterations, with a larger error than asked for."""
     contacts_capped: int = 0
     """Steps in which the sweeps over contacts of rigid bodies did."""
+    cloth_capped: int = 0
+    """Steps in which Newton's method or conjugate gradients of cloth ended at a cap."""
+    cloth_held_back: int = 0
+    """Times that a point of cloth could not go all its way in a step, or it would have passed through something."""
 
 
 class World:

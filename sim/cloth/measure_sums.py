@@ -36,8 +36,10 @@ def measure(
             length = (p.position[s.ends[2 * k]] - p.position[s.ends[2 * k + 1]]).norm()
             over = length - s.rest[k]
             elastic += 0.5 * s.stiff[k] * over * over
+            over_rest = ti.cast(1.0, ti.f64)
             if s.rest[k] > 0.0:
-                stretch = ti.max(stretch, length / s.rest[k])
+                over_rest = length / s.rest[k]
+            stretch = ti.max(stretch, over_rest)
         size = (hinges + ROWS - 1) // ROWS
         for k in range(ti.min(row * size, hinges), ti.min((row + 1) * size, hinges)):
             c = ti.Vector([a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]])

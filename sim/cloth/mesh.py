@@ -42,7 +42,7 @@ class ClothMesh:
         springs = [_springs(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
         self.ends, self.rest, self.stiffness, self.damping = _near_first(springs)
         hinges = [_hinges(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
-        self.corners, self.rest_angle, self.rigidity, self.bend_damping = _near_first(hinges)
+        self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.shrinking = _near_first(hinges)
         self.springs, self.hinges = len(self.ends), len(self.corners)
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
@@ -116,14 +116,15 @@ def _springs(
 def _hinges(
     sheet: ClothSheet, fabric: Fabric, start: int, mass: np.ndarray, placed: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Corners, angles at rest [rad], rigidity [N m] and damping [N m s]."""
+    """Corners, angles at rest [rad], rigidity [N m], damping [N m s], and how much smaller than placed they are."""
     if sheet.bend_model != "dihedral" or sheet.bend_stiffness == 0:
-        return np.zeros((0, 4), int), np.zeros(0), np.zeros(0), np.zeros(0)
+        return np.zeros((0, 4), int), *(np.zeros(0) for _ in range(4))
     corners = fabric.hinges + start
     angle, slopes = fold(*(placed[corners[:, k]] for k in range(4)))
     mobility = sum((slope**2).sum(axis=1) / mass[corners[:, k]] for k, slope in enumerate(slopes))
     damping = 2 * sheet.bend_damping * np.sqrt(fabric.rigidity / np.maximum(mobility, 1e-300))
-    return corners, angle, fabric.rigidity, np.where(mobility > 0, damping, 0.0)
+    shrinking = np.full(len(corners), min(max(sheet.rest_scale, 1e-6), 1.0))
+    return corners, angle, fabric.rigidity, np.where(mobility > 0, damping, 0.0), shrinking
 
 
 def fold(p: np.ndarray, q: np.ndarray, r: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -96,7 +96,7 @@ def _row_sums(mesh: ClothMesh, along: np.ndarray, bending: np.ndarray) -> np.nda
     rows = np.bincount(mesh.ends.ravel(), weights=np.repeat(2 * along, 2), minlength=mesh.count)
     if mesh.hinges:
         _, slopes = fold(*(mesh.placed[mesh.corners[:, k]] for k in range(4)))
-        lengths = np.linalg.norm(np.stack(slopes), axis=2)
+        lengths = np.linalg.norm(np.stack(slopes), axis=2) / mesh.shrinking
         weights = bending * lengths * lengths.sum(axis=0)
         rows += np.bincount(mesh.corners.T.ravel(), weights=weights.ravel(), minlength=mesh.count)
     return rows

@@ -137,7 +137,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=0.25, help="simulated time [s] (default: 0.25)")
     parser.add_argument("--turns", type=int, default=3, help="runs of each (default: 3)")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--quality", type=int, nargs="*", default=[5, 10], help="Blender's steps a frame (default: 5 10)")
+    parser.add_argument(
+        "--quality", type=int, nargs="*", default=[5, 10], help="Blender's steps a frame (default: 5 10)"
+    )
     parser.add_argument("--integrators", nargs="*", default=list(INTEGRATORS))
     parser.add_argument("--one", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -150,12 +152,16 @@ def main() -> None:
         for name in names if turn % 2 == 0 else reversed(names):
             command = [sys.executable, __file__, "--one", name, "--cells", str(options.cells)]
             command += ["--seconds", str(options.seconds), "--threads", str(options.threads)]
-            done = subprocess.run(command, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True)
+            done = subprocess.run(
+                command, cwd=ROOT, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
+            )
             if done.returncode:
                 sys.exit(f"{name}: exit status {done.returncode}\n{done.stderr}")
             found[name].append(json.loads(done.stdout.splitlines()[-1]))
             print(f"{name}, turn {turn + 1}: {found[name][-1][0]:.1f} s a simulated second", file=sys.stderr)
-    print("| integrator | wall [s] per simulated second | out of balance | depth in the ball [mm] | strain, RMS | most |")
+    print(
+        "| integrator | wall [s] per simulated second | out of balance | depth in the ball [mm] | strain, RMS | most |"
+    )
     print("| --- | --- | --- | --- | --- | --- |")
     for name in names:
         wall, out, depth, mean, most = (statistics.median(values) for values in zip(*found[name], strict=True))

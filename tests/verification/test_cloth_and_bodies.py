@@ -7,7 +7,7 @@ import pytest
 
 from sim.cloth.pull import pulls
 from tests.bodies import ball, box
-from tests.cloths import G, INTEGRATORS, scene, sheet
+from tests.cloths import INTEGRATORS, G, scene, sheet
 from tests.meshes import write
 
 TIGHT = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-4, "max_newton": 60}}
