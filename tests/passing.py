@@ -48,7 +48,7 @@ def _near_moving(
     before: np.ndarray, after: np.ndarray, one: np.ndarray, other: np.ndarray, moving: np.ndarray
 ) -> np.ndarray:
     """As `_near`, without pairs of which nothing moves."""
-    found = []
+    found = [np.zeros((0, 2), int)]
     for cloth, against in ((True, np.arange(len(other))), (False, np.flatnonzero(moving[other].any(axis=1)))):
         rows = np.flatnonzero(moving[one].any(axis=1) == cloth)
         if len(rows) and len(against):

@@ -12,9 +12,6 @@ from sim.cloth.layout import Points, Touches, Way
 from sim.cloth.touch import NOTHING
 from sim.double import Numbers, Vectors, vec3
 
-SWEEPS = 4
-"""Of Jacobi's method in a small step."""
-
 
 @ti.func
 def mobility(p: ti.template(), i: ti.i32) -> ti.f64:
@@ -39,22 +36,40 @@ def _between(c: ti.i32, points: ti.i32, share: ti.f64, touch: ti.template(), pla
 
 
 @ti.func
-def _share_out(c: ti.i32, points: ti.i32, p: ti.template(), touch: ti.template()):
-    soft = ti.cast(0.0, ti.f64)
-    for corner in ti.static(range(4)):
-        i = touch.touch_corner[4 * c + corner]
-        if 0 <= i < points:
-            shares = ti.cast(touch.first_touch[i + 1] - touch.first_touch[i], ti.f64)
-            soft += touch.touch_weight[c][corner] ** 2 * shares * mobility(p, i)
-    touch.hard[c] = 1.0 / soft if soft > 0.0 else 0.0
-    touch.touch_force[c] = vec3(0.0, 0.0, 0.0)
+def _distance(c: ti.i32, points: ti.i32, share: ti.f64, p: ti.template(), touch: ti.template(), w: ti.template()):
+    """By how much a contact is above its limit [m], which in a small step is `touch_block[c][1]`."""
+    n = touch.touch_normal[c]
+    return n.dot(_between(c, points, share, touch, p.position, w)) - touch.touch_block[c][1]
 
 
 @ti.func
-def _recall(c: ti.i32, points: ti.i32, share: ti.f64, touch: ti.template(), w: ti.template()):
-    """Begin with the force that there was, and remember where the contact was."""
-    touch.touch_slip[c] = _between(c, points, share, touch, w.before, w)
-    touch.touch_way[c] = touch.press[c] * touch.touch_normal[c] + touch.grip[c]
+def _take_part(c: ti.i32, points: ti.i32, share: ti.f64, p: ti.template(), touch: ti.template(), w: ti.template()):
+    """Say whether a contact presses, or will, in `touch_block[c][0]`."""
+    below = _distance(c, points, share, p, touch, w) < 0.0
+    touch.touch_block[c][0] = 1.0 if below or touch.press[c] > 0.0 else 0.0
+
+
+@ti.func
+def _share_out(i: ti.i32, touch: ti.template(), w: ti.template()):
+    """Count the contacts of a point that take part."""
+    number = ti.cast(0.0, ti.f64)
+    for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
+        number += touch.touch_block[touch.of_touch[entry] // 4][0]
+    w.shares[i] = number
+
+
+@ti.func
+def _recall(c: ti.i32, points: ti.i32, share: ti.f64, prompt: ti.f64, touch: ti.template(), w: ti.template()):
+    """Begin with the force that there was, and remember where the contact was; `prompt`: share of what its limit lacks
+    that is made up for at once."""
+    n = touch.touch_normal[c]
+    before = _between(c, points, share, touch, w.before, w)
+    limit, was = touch.law[c][0], n.dot(before)
+    if was < limit:
+        limit = was + prompt * (limit - was)
+    touch.touch_slip[c] = before
+    touch.touch_block[c] = vec3(0.0, limit, 0.0)
+    touch.touch_way[c] = touch.press[c] * n + touch.grip[c]
 
 
 @ti.func
@@ -63,26 +78,29 @@ def _press(
     points: ti.i32,
     dt: ti.f64,
     share: ti.f64,
-    prompt: ti.f64,
     p: ti.template(),
     touch: ti.template(),
     w: ti.template(),
 ):
-    """Change the force of a contact; `prompt`: share of what its limit lacks that is made up for at once."""
-    n, before, k = touch.touch_normal[c], touch.touch_slip[c], touch.hard[c] / (dt * dt)
-    there = _between(c, points, share, touch, p.position, w)
-    limit, was = touch.law[c][0], n.dot(before)
-    if was < limit:
-        limit = was + prompt * (limit - was)
-    push = ti.max(touch.press[c] - k * (n.dot(there) - limit), 0.0)
-    moved = there - before
-    grip = touch.grip[c] - k * (moved - n.dot(moved) * n)
-    size = grip.norm()
-    if size > touch.law[c][2] * push + NOTHING:
-        grip *= touch.law[c][1] * push / size
-    touch.touch_way[c] = (push - touch.press[c]) * n + grip - touch.grip[c]
-    touch.press[c] = push
-    touch.grip[c] = grip
+    """Change the force of a contact that takes part."""
+    touch.touch_way[c] = vec3(0.0, 0.0, 0.0)
+    soft = ti.cast(0.0, ti.f64)
+    for corner in ti.static(range(4)):
+        i = touch.touch_corner[4 * c + corner]
+        if 0 <= i < points:
+            soft += touch.touch_weight[c][corner] ** 2 * w.shares[i] * mobility(p, i)
+    if touch.touch_block[c][0] > 0.0 and soft > 0.0:
+        n, before, k = touch.touch_normal[c], touch.touch_slip[c], 1.0 / (soft * dt * dt)
+        there = _between(c, points, share, touch, p.position, w)
+        push = ti.max(touch.press[c] - k * (n.dot(there) - touch.touch_block[c][1]), 0.0)
+        moved = there - before
+        grip = touch.grip[c] - k * (moved - n.dot(moved) * n)
+        size = grip.norm()
+        if size > touch.law[c][2] * push + NOTHING:
+            grip *= touch.law[c][1] * push / size
+        touch.touch_way[c] = (push - touch.press[c]) * n + grip - touch.grip[c]
+        touch.press[c] = push
+        touch.grip[c] = grip
 
 
 @ti.func
@@ -105,6 +123,7 @@ def _end(i: ti.i32, dt: ti.f64, p: ti.template(), touch: ti.template(), w: ti.te
 def keep_apart_alone(
     points: ti.i32,
     touches: ti.i32,
+    sweeps: ti.i32,
     number: ti.i32,
     left: ti.i32,
     dt: ti.f64,
@@ -117,12 +136,16 @@ def keep_apart_alone(
     if touches > 0:
         share, earlier = _shares(number, left)
         for c in range(touches):
-            _recall(c, points, earlier, touch, w)
+            _recall(c, points, earlier, prompt, touch, w)
         for i in range(points):
             _give(i, dt, p, touch)
-        for _sweep in range(SWEEPS):
+        for _sweep in range(sweeps):
             for c in range(touches):
-                _press(c, points, dt, share, prompt, p, touch, w)
+                _take_part(c, points, share, p, touch, w)
+            for i in range(points):
+                _share_out(i, touch, w)
+            for c in range(touches):
+                _press(c, points, dt, share, p, touch, w)
             for i in range(points):
                 _give(i, dt, p, touch)
         for i in range(points):
@@ -144,7 +167,7 @@ def _sum_up(c: ti.i32, number: ti.i32, touch: ti.template()):
 
 
 @ti.kernel
-def keep_apart(
+def recall(
     points: ti.i32,
     touches: ti.i32,
     number: ti.i32,
@@ -155,18 +178,30 @@ def keep_apart(
     touch: Touches,
     w: Way,
 ):
-    """The contacts of one of so many small steps, on all threads."""
+    """Begin with the contacts of one of so many small steps, on all threads."""
     for c in range(touches):
         _share, earlier = _shares(number, left)
-        _recall(c, points, earlier, touch, w)
+        _recall(c, points, earlier, prompt, touch, w)
     for i in range(points):
         _give(i, dt, p, touch)
-    for _sweep in ti.static(range(SWEEPS)):
-        for c in range(touches):
-            share, _earlier = _shares(number, left)
-            _press(c, points, dt, share, prompt, p, touch, w)
-        for i in range(points):
-            _give(i, dt, p, touch)
+
+
+@ti.kernel
+def sweep(points: ti.i32, touches: ti.i32, number: ti.i32, left: ti.i32, dt: ti.f64, p: Points, touch: Touches, w: Way):
+    for c in range(touches):
+        share, _earlier = _shares(number, left)
+        _take_part(c, points, share, p, touch, w)
+    for i in range(points):
+        _share_out(i, touch, w)
+    for c in range(touches):
+        share, _earlier = _shares(number, left)
+        _press(c, points, dt, share, p, touch, w)
+    for i in range(points):
+        _give(i, dt, p, touch)
+
+
+@ti.kernel
+def end(points: ti.i32, touches: ti.i32, number: ti.i32, dt: ti.f64, p: Points, touch: Touches, w: Way):
     for i in range(points):
         _end(i, dt, p, touch, w)
     for c in range(touches):
@@ -174,10 +209,10 @@ def keep_apart(
 
 
 @ti.kernel
-def share_out(points: ti.i32, touches: ti.i32, p: Points, touch: Touches):
-    """Share masses among contacts, and forget what these did."""
+def forget(touches: ti.i32, touch: Touches):
+    """Forget what contacts did."""
     for c in range(touches):
-        _share_out(c, points, p, touch)
+        touch.touch_force[c] = vec3(0.0, 0.0, 0.0)
 
 
 @ti.kernel

@@ -87,6 +87,7 @@ def step(
     springs: ti.i32,
     hinges: ti.i32,
     touches: ti.i32,
+    projections: ti.i32,
     dt: ti.f64,
     prompt: ti.f64,
     gravity: vec3,
@@ -109,7 +110,7 @@ def step(
                 _bend(k, p, a, e.bending, e.leaning)
             for i in range(points):
                 _go(airy, i, dt, left - now, gravity, wind, p, s, a, e, w)
-            keep_apart_alone(points, touches, number, left - now, dt, prompt, p, touch, w)
+            keep_apart_alone(points, touches, projections, number, left - now, dt, prompt, p, touch, w)
     else:
         for k in range(springs):
             _pull(k, p, s, e.pull)

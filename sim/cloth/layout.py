@@ -53,8 +53,11 @@ Touches = ti.types.argpack(
 be from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal
 that they count of [N]; the stiffness with which contacts are looked for [N/m]; the force along the normal [N] and
 across [N] that is known of; the force now, its stiffness along the normal, across, and along the slip [N/m], and the
-direction of that, or for small steps where the first side was from the other [m]; what it yields, or for small steps by
-what its force changes [N]; and those of each point, as 4 contact + corner."""
+direction of that; what it yields; and those of each point, as 4 contact + corner.
 
-Way = ti.types.argpack(start=Vectors, before=Vectors, aims=Vectors)
-"""Where points were before a step and before a small step, and where those that are held, and solids, are to be [m]."""
+In small steps `touch_block` is whether a contact takes part, and its limit then [m], `touch_slip` where the first side
+was from the other before [m], and `touch_way` by what the force changes [N]."""
+
+Way = ti.types.argpack(start=Vectors, before=Vectors, aims=Vectors, shares=Numbers)
+"""Where points were before a step and before a small step, and where those that are held, and solids, are to be [m];
+contacts of each that take part in a small step."""

@@ -93,6 +93,7 @@ def substeps_alone(
     springs: ti.i32,
     hinges: ti.i32,
     touches: ti.i32,
+    projections: ti.i32,
     dt: ti.f64,
     prompt: ti.f64,
     gravity: vec3,
@@ -118,7 +119,7 @@ def substeps_alone(
                 _project_spring(k, dt, p, s, g, w)
             for k in range(hinges):
                 _project_hinge(k, dt, p, a, g, w)
-        keep_apart_alone(points, touches, number, number - now, dt, prompt, p, touch, w)
+        keep_apart_alone(points, touches, projections, number, number - now, dt, prompt, p, touch, w)
         for i in range(points):
             p.velocity[i] = (p.position[i] - w.before[i]) / dt
 

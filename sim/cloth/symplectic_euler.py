@@ -59,6 +59,7 @@ class SymplecticEuler(SmallSteps):
                 mesh.springs,
                 mesh.hinges,
                 contacts.count,
+                self.sweeps,
                 dt,
                 self.prompt(number),
                 self.gravity,

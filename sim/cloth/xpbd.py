@@ -67,6 +67,7 @@ class XPBD(SmallSteps):
             mesh.springs,
             mesh.hinges,
             contacts.count,
+            self.sweeps,
             dt,
             self.prompt(number),
             self.gravity,
