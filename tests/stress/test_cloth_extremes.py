@@ -311,7 +311,7 @@ def test_refused(tmp_path, capsys, changes, field, remedy):
     ],
 )
 def test_runs_at_the_extremes_leave_sound_files(tmp_path, capsys, integrator, stiffness, slack, expected):
-    """A sheet that one side holds, loose or stretched, in the longest steps, as a run; what ended at a cap is in the summary."""
+    """A sheet that one side holds, loose or stretched, in the longest steps; what ended at a cap is counted."""
     cloth = {"integrator": integrator, "max_step": 0.05}
     sheet = {"stretch_stiffness": stiffness, "rest_scale": slack, "pins": ["left"], "rotation": []}
     status, out = segment(tmp_path, step={"fixed": 1 / 30}, cloth=cloth, sheet=sheet)
