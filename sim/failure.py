@@ -56,6 +56,11 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     if world.cloth and world.cloth.stuck:
         remedy = "use a smaller step (cloth.max_step), slower solids, more room between them, or a thinner cloth"
         return Fault(f"solids push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
+    if world.cloth and world.cloth.unsolved:
+        remedy = (
+            "use a smaller step (cloth.max_step), a lower stretch_stiffness, or more cloth.implicit_euler.max_newton"
+        )
+        return Fault("Newton's method for the cloth ended at its cap, far from balanced forces", remedy)
     if world.wet_cloth and world.wet_cloth.tightness.through:
         remedy = "use a smaller step (cloth.max_step), larger particles, or a cloth that folds less"
         return Fault(f"{world.wet_cloth.tightness.through} particles have no way but through the cloth", remedy)

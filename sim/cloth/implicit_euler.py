@@ -30,6 +30,9 @@ ROUNDS = 12
 """Of looking for contacts that the last solution made."""
 GIVING_WAY = 1e-3
 """What is left of a force over the whole of it, when it is asked how points give way."""
+UNSOLVED = 100.0
+"""Forces left at a cap, over the weight and over those that the step takes into account, from which on what moves is
+left to chance."""
 HALVINGS = 30
 """Of a way that does not lead down: then it is rounding that is left."""
 ROUNDING = 1e-12
@@ -47,9 +50,11 @@ class ImplicitEuler:
         "cloth_rounds",
         "cloth_held_back",
         "cloth_stuck",
+        "cloth_unsolved",
     )
     """Newton's steps, iterations of conjugate gradients in all of them, and whether one of the two ended at its cap;
-    contacts, searches for them, points that could not go all their way, and pairs that solids push through."""
+    contacts, searches for them, points that could not go all their way, pairs that solids push through, and whether
+    the last cap was met far from a solution."""
 
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         self.mesh = mesh
@@ -71,6 +76,8 @@ class ImplicitEuler:
         self._gravity = float(np.linalg.norm(gravity))
         self._mass = float(mesh.mass[~mesh.held].sum())
         self._adrift, self._held = numbers(_adrift(mesh)), numbers(np.zeros(mesh.count))
+        self._left = 0.0
+        """Acceleration [m/s^2] that forces left over would make, where the last solution met a cap."""
         self._term_room = 0
         self._tables = {
             "spring_normal": vectors(np.zeros((s, 3))),
@@ -142,10 +149,29 @@ class ImplicitEuler:
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
         share, stuck = collisions.hold_back(trial.start, trial.place)
         collisions.end()
-        newton.finish(mesh.total, dt, mesh.points, trial)
         steps, iterations, capped = self._told.tolist()
-        values = (steps, iterations, int(capped > 0), collisions.count, self._rounds, int((share < 1).sum()), stuck)
+        values = (
+            steps,
+            iterations,
+            int(capped > 0),
+            collisions.count,
+            self._rounds,
+            int((share < 1).sum()),
+            stuck,
+            int(self._left > UNSOLVED * self._acceleration(dt)),
+        )
+        newton.finish(mesh.total, dt, mesh.points, trial)
         return dict(zip(self.STATISTICS, values, strict=True))
+
+    def _acceleration(self, dt: float) -> float:
+        """Of the step on average, at least that of gravity [m/s^2]; only looked for where a cap was met."""
+        if not self._left:
+            return self._least_acceleration(dt)
+        mesh, count = self.mesh, self.mesh.count
+        way = (self.trial.place.to_numpy() - self.trial.start.to_numpy())[:count]
+        change = (way / dt - mesh.points.velocity.to_numpy()[:count]) / dt
+        squares = np.where(mesh.held, 0.0, mesh.mass) @ (change**2).sum(axis=1)
+        return max(self._least_acceleration(dt), math.sqrt(squares / self._mass))
 
     def _part(self, dt: float) -> None:
         """Solve again and again until no contact is new."""
@@ -167,6 +193,7 @@ class ImplicitEuler:
             if way == 0.0 or (way <= slow and unbalanced <= self._balanced(dt)):
                 passes += 1
                 if passes == PASSES or self.collisions.press_on() <= slow:
+                    self._left = 0.0
                     return np.array([step, iterations, capped])
                 energy = self._assess(dt)
                 first, _ = self._linearize(dt)
@@ -176,6 +203,7 @@ class ImplicitEuler:
             iterations += made
             capped |= not ended
             energy, way = self._descend(dt, energy)
+        self._left = math.sqrt(unbalanced / self._mass)
         return np.array([step, iterations, 1])
 
     def _assess(self, dt: float) -> float:
@@ -205,8 +233,11 @@ class ImplicitEuler:
     def _balanced(self, dt: float) -> float:
         """Sum of r^2 / m that may be left: next to stiff springs, a way too short to count may be all that there is of
         a fall or a swing."""
-        acceleration = self.settings.linear_error * (self._gravity or self.settings.velocity_error / dt)
-        return self._mass * acceleration**2
+        return self._mass * (self.settings.linear_error * self._least_acceleration(dt)) ** 2
+
+    def _least_acceleration(self, dt: float) -> float:
+        """That of gravity, or what would count as a change without one [m/s^2]."""
+        return self._gravity or self.settings.velocity_error / dt
 
     @property
     def _parts(self) -> tuple:

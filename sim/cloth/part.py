@@ -107,6 +107,8 @@ class ClothPart:
         """On points, in the last step [N]."""
         self.stuck = 0
         """Pairs that came too near in the last step, since solids push them together."""
+        self.unsolved = False
+        """Whether the integrator ended the last step far from a solution."""
         self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
         self._led = integers(np.concatenate([lead.points for lead in self._leads])) if self._leads else None
 
@@ -141,8 +143,9 @@ class ClothPart:
         self.mesh.air.update(self.mesh)
 
     def note(self, told: dict[str, float]) -> dict[str, float]:
-        """Remember of what the integrator tells whether solids leave no room."""
+        """Remember of what the integrator tells whether solids leave no room, and whether it found a solution."""
         self.stuck = int(told.get("cloth_stuck", 0))
+        self.unsolved = told.get("cloth_unsolved", 0) > 0
         return told
 
     def measure(self) -> ClothMeasure:
