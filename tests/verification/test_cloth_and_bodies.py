@@ -52,6 +52,22 @@ def test_momentum_goes_from_one_to_the_other(body, gravity, integrator):
         assert np.allclose(turning, angular, rtol=0, atol=0.02 * np.linalg.norm(angular))
 
 
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_contacts_on_one_thread_and_many_are_the_same(integrator, monkeypatch):
+    found = []
+    for alone in (4000, 0):
+        monkeypatch.setattr("sim.cloth.mesh.ALONE", alone)
+        world = scene(
+            {"cloth": sheet((0.4, 0.4), spacing=0.1, thickness=0.01)},
+            {"box": box((0.2, 0.1, 0.2), position=[0, -0.06, 0]) | {"motion": "static"}},
+            cloth=TIGHT | {"integrator": integrator},
+        )
+        contacts = [world.advance(0.002, 0.002 * k)["cloth_contacts"] for k in range(1, 31)]
+        found.append(world.cloth.vertices("cloth")[0])
+        assert max(contacts) > 4
+    assert np.allclose(*found, rtol=0, atol=1e-6)
+
+
 @pytest.mark.slow
 def test_a_ball_that_falls_into_a_cloth_is_caught():
     """It bounces lower and lower around the place where the cloth carries it, and never gains energy over the start."""
