@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sim.cloth.part import ClothPart, PlacedSheet
     from sim.cloth.solids import Solids
     from sim.cloth.state import ClothState
-    from sim.cloth.untangle import Untangled
+    from sim.cloth.untangling.untangle import Untangled
     from sim.coupling.floating import Floating
     from sim.coupling.wet_cloth import WetCloth
     from sim.fluid.drains import Sink
@@ -258,7 +258,7 @@ class World:
         """Let cloth that begins at `time` [s] begin apart from what it is placed through; raises Refused."""
         if self.untangled is None and self.sheets:
             from sim.cloth.state import ClothState
-            from sim.cloth.untangle import untangle
+            from sim.cloth.untangling.untangle import untangle
 
             state = self._cloth_state or ClothState()
             self.sheets, self.untangled = untangle(self.sheets, state, self._solids(time))

@@ -18,7 +18,7 @@ def lattice(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def layers(one, other, n: int):
-    from sim.cloth.crossings import Layers
+    from sim.cloth.untangling.crossings import Layers
 
     _, triangles = lattice(n)
     return Layers([triangles, triangles + n * n, NONE], [n * n, n * n, 0]), np.concatenate([one, other])
@@ -54,7 +54,7 @@ def test_sheets_that_only_touch(apart):
 
 
 def test_boxes_that_overlap():
-    from sim.cloth.boxes import Boxes, overlapping
+    from sim.cloth.untangling.boxes import Boxes, overlapping
 
     random = np.random.default_rng(0)
     sets = []

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from sim.cloth.casting import cast
 from sim.cloth.solids import Solids
+from sim.cloth.untangling.casting import cast
 from sim.geometry.distance import MeshDistance
 from sim.geometry.winding import WindingNumber
 

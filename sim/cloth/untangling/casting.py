@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.cloth.boxes import Boxes, overlapping
-from sim.cloth.crossings import barycentric
+from sim.cloth.untangling.boxes import Boxes, overlapping
+from sim.cloth.untangling.crossings import barycentric
 
 RIM = 1e-9
 """Triangles are larger by this share for what meets their sides."""

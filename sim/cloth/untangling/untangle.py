@@ -1,9 +1,9 @@
 """Cloth that is placed through itself, another sheet or a solid is moved apart before the first step.
 
-Round by round: contours along which surfaces cross are found (`sim.cloth.contours`), the piece that is on the wrong
-side of the other surface is pushed back through it, and the cloth follows as a whole (`sim.cloth.relaxation`), so that
-a sheet that nothing holds goes aside rather than being stretched. A contour that cuts nothing off is made shorter. What
-is inside a solid altogether goes out the shortest way.
+Round by round: contours along which surfaces cross are found (`contours`), the piece that is on the wrong side of the
+other surface is pushed back through it, and the cloth follows as a whole (`relaxation`), so that a sheet that nothing
+holds goes aside rather than being stretched. A contour that cuts nothing off is made shorter. What is inside a solid
+altogether goes out the shortest way.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.cloth.casting import cast
-from sim.cloth.contours import Contour, Piece, Topology, cut_off, patch, shortening, trace
-from sim.cloth.crossings import Crossings, Layers
-from sim.cloth.filled import Filled
-from sim.cloth.relaxation import Pushes, relax
+from sim.cloth.untangling.casting import cast
+from sim.cloth.untangling.contours import Contour, Piece, Topology, cut_off, patch, shortening, trace
+from sim.cloth.untangling.crossings import Crossings, Layers
+from sim.cloth.untangling.filled import Filled
+from sim.cloth.untangling.relaxation import Pushes, relax
 from sim.settings import Refused
 
 if TYPE_CHECKING:

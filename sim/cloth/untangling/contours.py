@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from sim.cloth.crossings import Crossings
 from sim.cloth.fabric import edges_of
+from sim.cloth.untangling.crossings import Crossings
 
 ONE_WAY = 0.3
 """Length of the mean unit normal along a contour, from which on a piece can be pushed back that way."""

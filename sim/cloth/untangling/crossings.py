@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.cloth.boxes import Boxes, overlapping
+from sim.cloth.untangling.boxes import Boxes, overlapping
 
 ASIDE = 1e-9
 """Parts are shifted by this share of the size of everything: edges that end in a triangle then cross it or do not."""

@@ -1,0 +1,1 @@
+"""Cloth that is placed through something is moved apart before a run."""
