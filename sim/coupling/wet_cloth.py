@@ -59,8 +59,11 @@ def off_sheets(sheets: list[PlacedSheet], state: ClothState | None, points: np.n
     for item in sheets:
         now = state.of(item.name) if state else None
         places = item.begins if now is None else now[0]
-        surface = trimesh.Trimesh(places, item.fabric.triangles, process=False)
-        free[free] = MeshDistance(surface).unsigned(points[free]) > clearance
+        around = (points > places.min(axis=0) - clearance) & (points < places.max(axis=0) + clearance)
+        near = np.flatnonzero(free & around.all(axis=1))
+        if len(near):
+            surface = trimesh.Trimesh(places, item.fabric.triangles, process=False)
+            free[near] = MeshDistance(surface).unsigned(points[near]) > clearance
     return free
 
 
