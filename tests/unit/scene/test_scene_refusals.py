@@ -165,7 +165,7 @@ ADDED = {
     "cloth": (
         "cloth: {integrator: xpbd, sheets: {flag: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}",
         "cloth.integrator",
-        "cloth meets fluid and solids with implicit_euler only, not with xpbd yet",
+        "cloth meets fluid with implicit_euler only, not with xpbd yet",
         "implicit_euler",
     ),
     "probe of a vertex": (
