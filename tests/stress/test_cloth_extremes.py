@@ -360,6 +360,7 @@ def test_stopped_with_the_last_good_state(tmp_path, capsys):
     assert_nothing_broken(out)
 
 
+@pytest.mark.slow
 def test_stopped_where_no_solution_is_found(tmp_path, capsys):
     """Contacts and 1e8 N/m in steps of 1/30 s: what Newton's method leaves there would throw the cloth up."""
     cloth = {"max_step": 0.05}

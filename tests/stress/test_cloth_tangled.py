@@ -68,6 +68,7 @@ def test_two_sheets_through_each_other(other):
     assert crossings(world) == 0
 
 
+@pytest.mark.slow
 def test_a_strip_that_is_rolled_through_itself(tmp_path):
     """The curve (t^3 - 3 t, t^2), which crosses itself at t = 3^(1/2)."""
     t = np.linspace(-2.1, 2.1, 2000)
@@ -81,7 +82,8 @@ def test_a_strip_that_is_rolled_through_itself(tmp_path):
     assert passages(world, 0.03, 0.005) == 0
 
 
-@pytest.mark.parametrize("height", [pytest.param(0.0, marks=pytest.mark.slow), 0.07])
+@pytest.mark.slow
+@pytest.mark.parametrize("height", [0.0, 0.07])
 def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     cloth = sheet((0.6, 0.6), spacing=0.06, thickness=0.01, position=[0, height, 0.01])
     world = scene({"cloth": cloth}, {"ball": BALL})
@@ -97,6 +99,7 @@ def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     assert points[:, 1].max() > 0.19 and points[:, 1].min() < 0.15
 
 
+@pytest.mark.slow
 def test_a_sheet_that_the_edge_of_a_box_sticks_through():
     edge = box((0.3, 0.3, 1.0), rotation=[{"axis": [0, 0, 1], "angle": 45}]) | {"motion": "static"}
     cloth = sheet((0.6, 0.6), spacing=0.06, thickness=0.01, position=[0.01, 0.1, 0])
@@ -105,6 +108,7 @@ def test_a_sheet_that_the_edge_of_a_box_sticks_through():
     assert passages(world, 0.03, 0.005) == 0
 
 
+@pytest.mark.slow
 def test_a_sheet_inside_a_ball_and_one_below_the_floor_come_out():
     small = sheet((0.1, 0.1), spacing=0.02, thickness=0.004, position=[0, 0.05, 0])
     low = sheet((0.3, 0.3), spacing=0.05, position=[1, -1, 0], rotation=[{"axis": [0, 0, 1], "angle": 20}])
