@@ -256,20 +256,25 @@ class World:
 
     def untangle(self, time: float) -> None:
         """Let cloth that begins at `time` [s] begin apart from what it is placed through; raises Refused."""
-        if self.untangled is None and self.sheets:
+        if self.sheets:
+            self._untangle(self._solids(time))
+
+    def _untangle(self, solids: Solids) -> None:
+        if self.untangled is None:
             from sim.cloth.state import ClothState
             from sim.cloth.untangling.untangle import untangle
 
             state = self._cloth_state or ClothState()
-            self.sheets, self.untangled = untangle(self.sheets, state, self._solids(time))
+            self.sheets, self.untangled = untangle(self.sheets, state, solids)
 
     def _build_cloth(self, time: float) -> None:
         from sim.cloth.part import ClothPart
         from sim.cloth.state import ClothState
 
-        self.untangle(time)
+        solids = self._solids(time)
+        self._untangle(solids)
         state = self._cloth_state or ClothState()
-        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, self._solids(time))
+        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, solids)
 
     def _solids(self, time: float) -> Solids:
         """What cloth may meet, where it is at `time` [s]."""

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.passing import edges_of
+
 
 def crossed(places: np.ndarray, triangles: np.ndarray, cloth: np.ndarray | None = None, *, portion: int = 400) -> int:
     """How many edges go through triangles that they have no point in common with, for points at `places` [m], shape
     [n, 3]; `cloth`: which points are cloth, pairs without any do not count (default: all)."""
     cloth = np.ones(len(places), bool) if cloth is None else cloth
-    edges = np.unique(
-        np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
-    )
+    edges = edges_of(triangles)
     of_cloth = cloth[edges].any(axis=1)
     return _crossed(places, edges[of_cloth], triangles, portion) + _crossed(
         places, edges[~of_cloth], triangles[cloth[triangles].any(axis=1)], portion

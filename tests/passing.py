@@ -13,9 +13,7 @@ def passed(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, moving:
     """How many pairs meet while points go from `before` to `after` [m], shape [n, 3]; `moving`: which points are cloth,
     without them no pair counts (default: all)."""
     moving = np.ones(len(before), bool) if moving is None else moving
-    edges = np.unique(
-        np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
-    )
+    edges = edges_of(triangles)
     points = np.unique(triangles)[:, None]
     count = 0
     for one, other, inside in ((points, triangles, _in_triangle), (edges, edges, _on_edges)):
@@ -37,6 +35,12 @@ def went_through(before: np.ndarray, after: np.ndarray, triangles: np.ndarray, s
     pairs = _near(before, after, points, triangles)
     corners = np.concatenate([points[pairs[:, 0]], triangles[pairs[:, 1]]], axis=1)
     return _meetings(before, after, corners, _in_triangle)
+
+
+def edges_of(triangles: np.ndarray) -> np.ndarray:
+    """Each edge once, shape [e, 2]."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    return np.unique(np.sort(edges, 1), axis=0)
 
 
 def _boxes(before: np.ndarray, after: np.ndarray, members: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -36,16 +36,10 @@ def _between(c: ti.i32, points: ti.i32, share: ti.f64, touch: ti.template(), pla
 
 
 @ti.func
-def _distance(c: ti.i32, points: ti.i32, share: ti.f64, p: ti.template(), touch: ti.template(), w: ti.template()):
-    """By how much a contact is above its limit [m], which in a small step is `touch_block[c][1]`."""
-    n = touch.touch_normal[c]
-    return n.dot(_between(c, points, share, touch, p.position, w)) - touch.touch_block[c][1]
-
-
-@ti.func
 def _take_part(c: ti.i32, points: ti.i32, share: ti.f64, p: ti.template(), touch: ti.template(), w: ti.template()):
     """Say whether a contact presses, or will, in `touch_block[c][0]`."""
-    below = _distance(c, points, share, p, touch, w) < 0.0
+    there = _between(c, points, share, touch, p.position, w)
+    below = touch.touch_normal[c].dot(there) < touch.touch_block[c][1]
     touch.touch_block[c][0] = 1.0 if below or touch.press[c] > 0.0 else 0.0
 
 

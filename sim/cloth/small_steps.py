@@ -13,6 +13,7 @@ from sim.cloth.collision import Collisions
 from sim.cloth.layout import Way
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.tables import numbers, vectors
+from sim.double import vec3
 
 ROUNDS = 12
 """Of a step, which is made again when it made contacts."""
@@ -31,8 +32,9 @@ class SmallSteps:
     """Small steps, contacts, how often they were made, points that could not go all their way, and pairs that solids
     push through."""
 
-    def __init__(self, mesh: ClothMesh, collisions: Collisions):
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, collisions: Collisions):
         self.mesh = mesh
+        self.gravity = vec3(*gravity)
         self.collisions = collisions
         self.way = Way(
             start=vectors(np.zeros((mesh.total, 3))),

@@ -18,7 +18,6 @@ from sim.cloth.mesh import ClothMesh, fold
 from sim.cloth.small_steps import SmallSteps
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import numbers, vectors
-from sim.double import vec3
 
 MOST_SUBSTEPS = 20_000
 """Of a step: more would seem to hang."""
@@ -26,8 +25,7 @@ MOST_SUBSTEPS = 20_000
 
 class SymplecticEuler(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
-        super().__init__(mesh, collisions)
-        self.gravity = vec3(*gravity)
+        super().__init__(mesh, gravity, collisions)
         self.stable = settings.symplectic_euler.share * longest_step(mesh)
         self._workspace = Workspace(
             air_face=mesh.air.face,

@@ -18,14 +18,12 @@ from sim.cloth.position_based import Guess
 from sim.cloth.small_steps import SmallSteps
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import angle_arrays, numbers, strand_arrays
-from sim.double import vec3
 
 
 class XPBD(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
-        super().__init__(mesh, collisions)
+        super().__init__(mesh, gravity, collisions)
         self.settings = settings.xpbd
-        self.gravity = vec3(*gravity)
         self._guess = Guess(
             air_face=mesh.air.face,
             air_across=mesh.air.across,
