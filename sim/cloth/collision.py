@@ -127,13 +127,13 @@ class Collisions:
         self.known = known.take(np.flatnonzero(keep))
         self._upload()
 
-    def find(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY) -> int:
-        """Add what comes nearer than a share of its thickness on the way from `start` to `place` [m]; returns how many
-        were not known."""
+    def find(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY, add: bool = True) -> int:
+        """Look for what comes nearer than a share of its thickness on the way from `start` to `place` [m]; returns how
+        many were not known. To `add` them asks the integrator to solve again, as forces belong to other contacts."""
         fresh = self._search(start, place, early)
         if self.count and len(fresh.key):
             fresh = fresh.take(np.flatnonzero(~_among(fresh.key, self.known.key)))
-        if len(fresh.key):
+        if add and len(fresh.key):
             self._keep_forces()
             self.known = self.known.joined(fresh)
             self._upload()

@@ -65,7 +65,7 @@ class SmallSteps:
             contact_projection.forget(collisions.count, collisions.touches)
             self.run(dt / number, number)
             contact_projection.carry_solids(mesh.count, mesh.total, dt, points, self.way)
-            if not collisions.find(start, points.position):
+            if not collisions.find(start, points.position, add=rounds < ROUNDS):
                 if not len(collisions.narrow) or self.sweeps == MOST_SWEEPS:
                     break
                 self.sweeps *= 4
