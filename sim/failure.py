@@ -54,8 +54,8 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     if world.cloth and not world.cloth.measure().finite:
         return Fault("the cloth has values that are not finite", "use a smaller step (cloth.max_step)")
     if world.cloth and world.cloth.stuck:
-        remedy = "use a smaller step (cloth.max_step), slower solids, more room between them, or a thinner cloth"
-        return Fault(f"solids push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
+        remedy = "use a smaller step (cloth.max_step), slower solids or pins, more room between them, or a thinner cloth"
+        return Fault(f"solids or pins push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
     if world.cloth and world.cloth.unsolved:
         remedy = (
             "use a smaller step (cloth.max_step), a lower stretch_stiffness, or more cloth.implicit_euler.max_newton"

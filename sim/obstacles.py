@@ -91,6 +91,11 @@ class Obstacles:
         """Bodies whose motion the scene prescribes, likewise."""
         return {index: item for index, item in enumerate(self.placed) if item.motion and not item.motion.obeys_forces}
 
+    @property
+    def names(self) -> set[str]:
+        """Of all bodies and containers."""
+        return {item.name for item in self.placed} | {wall.body for wall in self.walls} | set(self.boxes)
+
     def planes(self) -> np.ndarray:
         """Normals and offsets of all walls, shape [n, 4]."""
         return np.array([[*wall.normal, wall.offset] for wall in self.walls]).reshape(-1, 4)

@@ -20,7 +20,7 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
         except Refused as refused:
             raise _in_event(refused, event, index) from None
     world = World(spec_at(spec, 0.0), folder)
-    solids = len(world.obstacles.placed) + len(world.obstacles.boxes)
+    solids = len(world.obstacles.names)
     parts = [f"{solids} solid{'' if solids == 1 else 's'}"]
     if spec.fluid is not None:
         particles, counts = _pour(world, list(spec.fluid.bodies), 0.0)
