@@ -54,7 +54,7 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     if world.cloth and not world.cloth.measure().finite:
         return Fault("the cloth has values that are not finite", "use a smaller step (cloth.max_step)")
     if world.cloth and world.cloth.stuck:
-        remedy = "use a smaller step (cloth.max_step), slower solids or pins, more room between them, or a thinner cloth"
+        remedy = "use a smaller step (cloth.max_step), slower solids or pins, more room, or a thinner cloth"
         return Fault(f"solids or pins push {world.cloth.stuck} pairs of points or edges through cloth", remedy)
     if world.cloth and world.cloth.unsolved:
         remedy = (

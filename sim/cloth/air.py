@@ -7,12 +7,33 @@ its begin, so that no step is too long for them.
 
 import taichi as ti
 
-from sim.cloth.layout import Points
-from sim.double import Integers, Numbers, Vectors, vec3
+from sim.cloth.layout import Drag, Points
+from sim.double import Integers, mat3, vec3
+
+
+@ti.func
+def drag(i: ti.i32, velocity: vec3, d: ti.template()) -> vec3:
+    """What air takes from a point [N] at a velocity relative to it."""
+    n = d.face[i]
+    return d.drag_along[i] * velocity + (d.drag_across[i] - d.drag_along[i]) * n.dot(velocity) * n
+
+
+@ti.func
+def drag_block(i: ti.i32, d: ti.template()) -> mat3:
+    """How that changes with the velocity [kg/s]."""
+    n, unit = d.face[i], mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    return d.drag_along[i] * unit + (d.drag_across[i] - d.drag_along[i]) * n.outer_product(n)
+
+
+@ti.func
+def braked(i: ti.i32, mass: ti.f64, dt: ti.f64, momentum: vec3, wind: vec3, d: ti.template()):
+    """Velocity with drag at the end of the step, from the momentum without."""
+    unit, block = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), drag_block(i, d)
+    return (mass * unit + dt * block).inverse() @ (momentum + dt * (block @ wind))
 
 
 @ti.kernel
-def drag(
+def find_drag(
     points: ti.i32,
     wind: vec3,
     normal_factor: ti.f64,
@@ -21,9 +42,7 @@ def drag(
     first: Integers,
     entry: Integers,
     p: Points,
-    face: Vectors,
-    across: Numbers,
-    along: Numbers,
+    d: Drag,
 ):
     """Normals, and drag [kg/s] across and along the cloth; the factors are density/2 times the coefficients."""
     for i in range(points):
@@ -38,6 +57,6 @@ def drag(
             normal = area / size
         past = p.velocity[i] - wind
         speed = normal.dot(past)
-        face[i] = normal
-        across[i] = normal_factor * size * abs(speed)
-        along[i] = along_factor * size * (past - speed * normal).norm()
+        d.face[i] = normal
+        d.drag_across[i] = normal_factor * size * abs(speed)
+        d.drag_along[i] = along_factor * size * (past - speed * normal).norm()

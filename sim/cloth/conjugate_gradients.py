@@ -5,8 +5,9 @@ Small cloths are solved by one thread in one launch: threads would wait for one 
 
 import taichi as ti
 
-from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
-from sim.cloth.newton import BEFORE, BEND, NOW, System, Trial, add_range, add_ranges, drag
+from sim.cloth.air import drag
+from sim.cloth.layout import ROWS, Angles, Drag, Points, Strands, Touches
+from sim.cloth.newton import BEFORE, BEND, NOW, System, add_range, add_ranges
 from sim.cloth.touch import carried, yielding
 from sim.double import vec3
 
@@ -32,7 +33,7 @@ def _push_back(
     s: ti.template(),
     a: ti.template(),
     touch: ti.template(),
-    t: ti.template(),
+    d: ti.template(),
     e: ti.template(),
 ) -> ti.f64:
     """How much force on a point changes along the course; returns what that does to the energy."""
@@ -51,7 +52,7 @@ def _push_back(
             c = touch.of_touch[entry] // 4
             q += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
         if ti.static(airy):
-            q += drag(t, i, way / dt)
+            q += drag(i, way / dt, d)
     e.bent[i] = q
     return q.dot(e.course[i])
 
@@ -90,7 +91,7 @@ def solve_alone(
     s: Strands,
     a: Angles,
     touch: Touches,
-    t: Trial,
+    d: Drag,
     e: System,
 ) -> ti.i32:
     """On one thread, until r.z is not above `enough`; returns iterations, one more than `most` where that is not so."""
@@ -106,7 +107,7 @@ def solve_alone(
                 touch.touch_way[c] = yielding(c, touch, carried(c, touch, e.course))
             bend = ti.cast(0.0, ti.f64)
             for i in range(points):
-                bend += _push_back(airy, i, dt, p, s, a, touch, t, e)
+                bend += _push_back(airy, i, dt, p, s, a, touch, d, e)
             share, before = _ratio(now, bend), now
             now = ti.cast(0.0, ti.f64)
             for i in range(points):
@@ -128,7 +129,7 @@ def iterate(
     s: Strands,
     a: Angles,
     touch: Touches,
-    t: Trial,
+    d: Drag,
     e: System,
 ) -> ti.f64:
     """AT_ONCE iterations on all threads; returns r.z."""
@@ -138,7 +139,7 @@ def iterate(
         for c in range(touches):
             touch.touch_way[c] = yielding(c, touch, carried(c, touch, e.course))
         for i in range(points):
-            e.term[i] = _push_back(airy, i, dt, p, s, a, touch, t, e)
+            e.term[i] = _push_back(airy, i, dt, p, s, a, touch, d, e)
         for row in range(ROWS):
             add_range(row, points, e.term)
         ti.loop_config(serialize=True)

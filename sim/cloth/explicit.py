@@ -2,22 +2,19 @@
 
 import taichi as ti
 
+from sim.cloth.air import braked
 from sim.cloth.contact_projection import keep_apart_alone
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands, Touches, Way
+from sim.cloth.layout import Angles, Drag, Points, Strands, Touches, Way
 from sim.cloth.springs import line
-from sim.double import Numbers, Vectors, mat3, vec3
+from sim.double import Numbers, Vectors, vec3
 
 Workspace = ti.types.argpack(
-    air_face=Vectors,
-    air_across=Numbers,
-    air_along=Numbers,
     pull=Vectors,
     bending=Numbers,
     leaning=Vectors,
 )
-"""The cloth's normals, and drag across and along it [kg/s]; pulls of springs [N], and
-moments [N m] and slopes [1/m] of hinges."""
+"""Pulls of springs [N], and moments [N m] and slopes [1/m] of hinges."""
 
 
 @ti.func
@@ -53,6 +50,7 @@ def _go(
     p: ti.template(),
     s: ti.template(),
     a: ti.template(),
+    d: ti.template(),
     e: ti.template(),
     w: ti.template(),
 ):
@@ -66,8 +64,7 @@ def _go(
             force -= e.bending[a.of_hinge[entry] // 4] * e.leaning[a.of_hinge[entry]]
         momentum = p.mass[i] * p.velocity[i] + dt * force
         if ti.static(airy):
-            momentum, held_back = braked(p.mass[i], dt, momentum, wind, e.air_face[i], e.air_across[i], e.air_along[i])
-            p.velocity[i] = held_back @ momentum
+            p.velocity[i] = braked(i, p.mass[i], dt, momentum, wind, d)
         else:
             p.velocity[i] = momentum / p.mass[i]
         p.position[i] += dt * p.velocity[i]
@@ -95,6 +92,7 @@ def step(
     p: Points,
     s: Strands,
     a: Angles,
+    d: Drag,
     e: Workspace,
     touch: Touches,
     w: Way,
@@ -109,7 +107,7 @@ def step(
             for k in range(hinges):
                 _bend(k, p, a, e.bending, e.leaning)
             for i in range(points):
-                _go(airy, i, dt, left - now, gravity, wind, p, s, a, e, w)
+                _go(airy, i, dt, left - now, gravity, wind, p, s, a, d, e, w)
             keep_apart_alone(points, touches, projections, number, left - now, dt, prompt, p, touch, w)
     else:
         for k in range(springs):
@@ -117,12 +115,4 @@ def step(
         for k in range(hinges):
             _bend(k, p, a, e.bending, e.leaning)
         for i in range(points):
-            _go(airy, i, dt, left, gravity, wind, p, s, a, e, w)
-
-
-@ti.func
-def braked(mass: ti.f64, dt: ti.f64, momentum: vec3, wind: vec3, n: vec3, across: ti.f64, along: ti.f64):
-    """Momentum with the wind's share, and what turns it into the velocity with drag at the end of the step."""
-    unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    drag = along * unit + (across - along) * n.outer_product(n)
-    return momentum + dt * (drag @ wind), (mass * unit + dt * drag).inverse()
+            _go(airy, i, dt, left, gravity, wind, p, s, a, d, e, w)

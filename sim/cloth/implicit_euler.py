@@ -69,9 +69,6 @@ class ImplicitEuler:
             place=mesh.place,
             length_before=numbers(np.zeros(s)),
             angle_before=numbers(np.zeros(h)),
-            face=mesh.air.face,
-            drag_across=mesh.air.across,
-            drag_along=mesh.air.along,
         )
         self._gravity = float(np.linalg.norm(gravity))
         self._mass = float(mesh.mass[~mesh.held].sum())
@@ -216,10 +213,12 @@ class ImplicitEuler:
             self.collisions.count,
             dt,
             mesh.air.wind,
-            mesh.points,
+            mesh.points.mass,
+            mesh.points.mobile,
             mesh.strands,
             mesh.angles,
             self.collisions.touches,
+            mesh.air.drag,
             self.trial,
             self.system,
         )
@@ -227,8 +226,8 @@ class ImplicitEuler:
     def _linearize(self, dt: float) -> tuple[float, float]:
         """Look for the way from the places tried; returns r.z and the sum of r^2 / m."""
         mesh = self.mesh
-        first, unbalanced = newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *self._parts)
-        return first, unbalanced
+        parts = *self._parts, self.trial, self.system
+        return tuple(newton.linearize(mesh.air.present, mesh.count, dt, mesh.air.wind, *parts))
 
     def _balanced(self, dt: float) -> float:
         """Sum of r^2 / m that may be left: next to stiff springs, a way too short to count may be all that there is of
@@ -242,7 +241,7 @@ class ImplicitEuler:
     @property
     def _parts(self) -> tuple:
         mesh = self.mesh
-        return mesh.points, mesh.strands, mesh.angles, self.collisions.touches, self.trial, self.system
+        return mesh.points, mesh.strands, mesh.angles, self.collisions.touches, mesh.air.drag
 
     def _iterate(self, dt: float, enough: float) -> tuple[int, bool]:
         """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
@@ -251,11 +250,13 @@ class ImplicitEuler:
         most, touches = self.settings.max_iterations, self.collisions.count
         if mesh.alone:
             made = conjugate_gradients.solve_alone(
-                mesh.air.present, mesh.count, mesh.hinges, touches, most, enough, dt, *parts
+                mesh.air.present, mesh.count, mesh.hinges, touches, most, enough, dt, *parts, self.system
             )
             return made, made <= most
         for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
-            left = conjugate_gradients.iterate(mesh.air.present, mesh.count, mesh.hinges, touches, dt, *parts)
+            left = conjugate_gradients.iterate(
+                mesh.air.present, mesh.count, mesh.hinges, touches, dt, *parts, self.system
+            )
             if not left > enough:
                 return made, True
         return made, False

@@ -34,6 +34,9 @@ Angles = ti.types.argpack(
 """Hinges: four points, angles at rest [rad], rigidity [N m] and damping [N m s]; and those of each point, as 4 hinge +
 corner."""
 
+Drag = ti.types.argpack(face=Vectors, drag_across=Numbers, drag_along=Numbers)
+"""Of points: the cloth's normals, and drag of the air across and along it [kg/s]."""
+
 Touches = ti.types.argpack(
     touch_corner=Integers,
     touch_weight=Weights,

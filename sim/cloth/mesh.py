@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
-from sim.cloth import air as drag
+from sim.cloth.air import find_drag
 from sim.cloth.fabric import Fabric
+from sim.cloth.layout import Drag
 from sim.cloth.spec import Air, ClothSheet
 from sim.cloth.tables import angle_arrays, incidence, integers, numbers, point_arrays, strand_arrays, vectors
 from sim.double import vec3
@@ -72,11 +73,8 @@ class AirDrag:
     def __init__(self, mesh: ClothMesh, air: Air | None):
         self.present = air is not None
         room = mesh.count if self.present else 1
-        self.face, self.across, self.along = (
-            vectors(np.zeros((room, 3))),
-            numbers(np.zeros(room)),
-            numbers(np.zeros(room)),
-        )
+        nothing = np.zeros(room)
+        self.drag = Drag(face=vectors(np.zeros((room, 3))), drag_across=numbers(nothing), drag_along=numbers(nothing))
         self.wind = vec3(*(air.wind if air else (0.0, 0.0, 0.0)))
         self.bytes = 8 * 5 * room
         if air:
@@ -87,9 +85,7 @@ class AirDrag:
     def update(self, mesh: ClothMesh) -> None:
         """Find drag for where the cloth is, and how fast."""
         if self.present:
-            drag.drag(
-                mesh.count, self.wind, *self._factors, *self._tables, mesh.points, self.face, self.across, self.along
-            )
+            find_drag(mesh.count, self.wind, *self._factors, *self._tables, mesh.points, self.drag)
 
 
 def _near_first(parts: list[tuple[np.ndarray, ...]]) -> tuple[np.ndarray, ...]:

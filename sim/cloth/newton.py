@@ -11,11 +11,12 @@ negative, so that every way found leads down.
 
 import taichi as ti
 
+from sim.cloth.air import drag, drag_block
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import ROWS, Angles, Points, Strands, Touches
+from sim.cloth.layout import ROWS, Angles, Drag, Points, Strands, Touches
 from sim.cloth.springs import block, line
 from sim.cloth.touch import touch_energy
-from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3
+from sim.double import Integers, Matrices, Numbers, Vectors, mat3, vec2, vec3
 
 BEFORE, NOW, BEND = range(3)
 """Scalars of conjugate gradients: r.z of the iteration before and of this one, and p.Ap."""
@@ -27,12 +28,9 @@ Trial = ti.types.argpack(
     place=Vectors,
     length_before=Numbers,
     angle_before=Numbers,
-    face=Vectors,
-    drag_across=Numbers,
-    drag_along=Numbers,
 )
 """Where points were, would go without springs, were tried before, and are tried [m]; lengths [m] and angles [rad]
-before the step; normals of the cloth, and how air drags across and along it [kg/s]."""
+before the step."""
 
 System = ti.types.argpack(
     spring_normal=Vectors,
@@ -71,13 +69,6 @@ def add_ranges(count: ti.i32, term: ti.template()) -> ti.f64:
     for row in range(ROWS):
         total += term[count + row]
     return total
-
-
-@ti.func
-def drag(t: ti.template(), i: ti.i32, velocity: vec3) -> vec3:
-    """What air takes [N] at a velocity relative to it."""
-    n = t.face[i]
-    return t.drag_along[i] * velocity + (t.drag_across[i] - t.drag_along[i]) * n.dot(velocity) * n
 
 
 @ti.func
@@ -139,10 +130,12 @@ def assess(
     touches: ti.i32,
     dt: ti.f64,
     wind: vec3,
-    p: Points,
+    mass: Numbers,
+    mobile: Integers,
     s: Strands,
     a: Angles,
     touch: Touches,
+    d: Drag,
     t: Trial,
     e: System,
 ) -> ti.f64:
@@ -169,11 +162,11 @@ def assess(
         e.term[points + springs + hinges + c] = touch_energy(c, touch, t.start, t.place)
     for i in range(points):
         energy = ti.cast(0.0, ti.f64)
-        if p.mobile[i]:
-            energy = 0.5 * p.mass[i] / (dt * dt) * (t.place[i] - t.aim[i]).norm_sqr()
+        if mobile[i]:
+            energy = 0.5 * mass[i] / (dt * dt) * (t.place[i] - t.aim[i]).norm_sqr()
             if ti.static(airy):
                 past = (t.place[i] - t.start[i]) / dt - wind
-                energy += 0.5 * dt * past.dot(drag(t, i, past))
+                energy += 0.5 * dt * past.dot(drag(i, past, d))
         e.term[i] = energy
     count = points + springs + hinges + touches
     for row in range(ROWS):
@@ -195,6 +188,7 @@ def linearize(
     s: Strands,
     a: Angles,
     touch: Touches,
+    d: Drag,
     t: Trial,
     e: System,
 ) -> vec2:
@@ -224,10 +218,8 @@ def linearize(
                 diagonal += w * w * (b[1] * unit + (b[0] - b[1]) * n.outer_product(n))
                 diagonal += w * w * (b[2] - b[1]) * slip.outer_product(slip)
             if ti.static(airy):
-                n = t.face[i]
-                r -= drag(t, i, (t.place[i] - t.start[i]) / dt - wind)
-                diagonal += t.drag_along[i] / dt * unit
-                diagonal += (t.drag_across[i] - t.drag_along[i]) / dt * n.outer_product(n)
+                r -= drag(i, (t.place[i] - t.start[i]) / dt - wind, d)
+                diagonal += drag_block(i, d) / dt
             e.inverse[i] = diagonal.inverse()
             z = e.inverse[i] @ r
         e.residual[i] = r

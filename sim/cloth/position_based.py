@@ -2,21 +2,15 @@
 
 import taichi as ti
 
+from sim.cloth.air import braked
 from sim.cloth.contact_projection import keep_apart_alone, mobility
-from sim.cloth.explicit import braked
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import Angles, Points, Strands, Touches, Way
+from sim.cloth.layout import Angles, Drag, Points, Strands, Touches, Way
 from sim.cloth.springs import line
-from sim.double import Numbers, Vectors, vec3
+from sim.double import Numbers, vec3
 
-Guess = ti.types.argpack(
-    air_face=Vectors,
-    air_across=Numbers,
-    air_along=Numbers,
-    pulled=Numbers,
-    bent=Numbers,
-)
-"""The cloth's normals, and drag across and along it [kg/s]; multipliers of springs and hinges."""
+Guess = ti.types.argpack(pulled=Numbers, bent=Numbers)
+"""Multipliers of springs and hinges."""
 
 
 @ti.func
@@ -36,7 +30,7 @@ def _foresee(
     gravity: vec3,
     wind: vec3,
     p: ti.template(),
-    g: ti.template(),
+    d: ti.template(),
     w: ti.template(),
 ):
     """Where a point would go without springs; `left`: substeps to the time at which held points are at their aims."""
@@ -45,10 +39,7 @@ def _foresee(
     if p.mobile[i]:
         v = p.velocity[i] + dt * gravity
         if ti.static(airy):
-            momentum, held_back = braked(
-                p.mass[i], dt, p.mass[i] * v, wind, g.air_face[i], g.air_across[i], g.air_along[i]
-            )
-            v = held_back @ momentum
+            v = braked(i, p.mass[i], dt, p.mass[i] * v, wind, d)
         p.position[i] = x + dt * v
     else:
         p.position[i] = x + (w.aims[i] - x) / ti.cast(left, ti.f64)
@@ -101,6 +92,7 @@ def substeps_alone(
     p: Points,
     s: Strands,
     a: Angles,
+    d: Drag,
     g: Guess,
     touch: Touches,
     w: Way,
@@ -109,7 +101,7 @@ def substeps_alone(
     ti.loop_config(serialize=True)
     for now in range(number):
         for i in range(points):
-            _foresee(airy, i, dt, number - now, gravity, wind, p, g, w)
+            _foresee(airy, i, dt, number - now, gravity, wind, p, d, w)
         for k in range(springs):
             g.pulled[k] = 0.0
         for k in range(hinges):
@@ -135,11 +127,12 @@ def foresee(
     gravity: vec3,
     wind: vec3,
     p: Points,
+    d: Drag,
     g: Guess,
     w: Way,
 ):
     for i in range(points):
-        _foresee(airy, i, dt, left, gravity, wind, p, g, w)
+        _foresee(airy, i, dt, left, gravity, wind, p, d, w)
     for k in range(springs):
         g.pulled[k] = 0.0
     for k in range(hinges):

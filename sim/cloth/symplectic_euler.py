@@ -28,9 +28,6 @@ class SymplecticEuler(SmallSteps):
         super().__init__(mesh, gravity, collisions)
         self.stable = settings.symplectic_euler.share * longest_step(mesh)
         self._workspace = Workspace(
-            air_face=mesh.air.face,
-            air_across=mesh.air.across,
-            air_along=mesh.air.along,
             pull=vectors(np.zeros((mesh.springs, 3))),
             bending=numbers(np.zeros(mesh.hinges)),
             leaning=vectors(np.zeros((4 * mesh.hinges, 3))),
@@ -65,6 +62,7 @@ class SymplecticEuler(SmallSteps):
                 mesh.points,
                 mesh.strands,
                 mesh.angles,
+                mesh.air.drag,
                 self._workspace,
                 contacts.touches,
                 self.way,

@@ -25,9 +25,6 @@ class XPBD(SmallSteps):
         super().__init__(mesh, gravity, collisions)
         self.settings = settings.xpbd
         self._guess = Guess(
-            air_face=mesh.air.face,
-            air_across=mesh.air.across,
-            air_along=mesh.air.along,
             pulled=numbers(np.zeros(mesh.springs)),
             bent=numbers(np.zeros(mesh.hinges)),
         )
@@ -73,6 +70,7 @@ class XPBD(SmallSteps):
             mesh.points,
             self._strands,
             self._angles,
+            mesh.air.drag,
             self._guess,
             contacts.touches,
             self.way,
@@ -90,6 +88,7 @@ class XPBD(SmallSteps):
             self.gravity,
             mesh.air.wind,
             mesh.points,
+            mesh.air.drag,
             guess,
             way,
         )
