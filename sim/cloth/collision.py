@@ -93,7 +93,7 @@ class Collisions:
         self._half = numbers(half)
         self._own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
         self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()
-        points, edges = integers(cloth.points), integers(cloth.edges.ravel())
+        points, edges = integers(cloth.points), self._own[1].member
         self._searches = [
             _Search(False, False, points, len(cloth.points), self._own[0]),
             _Search(True, True, edges, len(cloth.edges), self._own[1]),

@@ -43,13 +43,15 @@ def find_near(
 ):
     """For each point, or edge, the triangles, or edges, of a tree that come nearer than `early` of the thickness on the
     way from `start` to `place` [m], at most `room` of them; `least`: share of the thickness, and of the distance at the
-    start, that has to be kept. `itself`: the tree is that of the queries, and each pair counts once."""
+    start, that has to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it."""
     for k in range(queries):
         i = query[2 * k] if ti.static(edges) else query[k]
         j = query[2 * k + 1] if ti.static(edges) else i
         lower = ti.min(ti.min(start[i], place[i]), ti.min(start[j], place[j])) - half[i]
         upper = ti.max(ti.max(start[i], place[i]), ti.max(start[j], place[j])) + half[i]
         count, node = 0, ti.select(primitives > 0, 1, 0)
+        if ti.static(itself):
+            node = next_node(leaves + k)
         while node > 0:
             inside = meet(lower, upper, low[node], high[node])
             if inside and node < leaves:
@@ -62,8 +64,8 @@ def find_near(
                     if ti.static(edges):
                         c, d = member[2 * t], member[2 * t + 1]
                         disjoint = int(i != c and i != d and j != c and j != d)
-                        if ti.static(itself):
-                            disjoint = disjoint * int(i < c or (i == c and j < d))
+                        if ti.static(itself) and c < i:
+                            a, b, c, d = c, d, i, j
                     else:
                         b, c, d = member[3 * t], member[3 * t + 1], member[3 * t + 2]
                         disjoint = int(i != b and i != c and i != d)
