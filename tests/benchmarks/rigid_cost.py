@@ -4,6 +4,9 @@ them that has none, against the project as it was before they came.
     git worktree add ../before b3aba19
     python tests/benchmarks/rigid_cost.py --against ../before
 
+Without bodies, only the last of these: `--bodies 0 --against` a checkout of 3c8976e~1 tells what cloth costs a scene
+that has none.
+
 All runs take turns, each in a process of its own, and a ratio is the median over its turns: other work on the machine
 then weighs on both sides. What a simulated second costs is the median time of a step on the wall, times its steps: a
 few steps of each run load kernels.
@@ -90,14 +93,16 @@ def ratio(found: dict[str, list[Found]], upper: str, lower: str) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--particles", type=int, default=15_000, help="about as many (default: 15000)")
-    parser.add_argument("--bodies", type=int, default=10, help="crates (default: 10)")
+    parser.add_argument("--bodies", type=int, default=10, help="crates (default: 10); 0: the fluid alone")
     parser.add_argument("--seconds", type=float, default=0.5, help="simulated time [s] (default: 0.5)")
     parser.add_argument("--turns", type=int, default=3, help="runs of every scene (default: 3)")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--against", type=Path, metavar="TREE", help="another checkout, for the fluid alone")
     options = parser.parse_args()
     fluid, rigid = {"fluid": water(options.particles)}, {"rigid": crates(options.bodies)}
-    cases = [Case("fluid", ROOT, fluid), Case("both", ROOT, fluid | rigid), Case("bodies", ROOT, rigid)]
+    cases = [Case("fluid", ROOT, fluid)]
+    if options.bodies:
+        cases += [Case("both", ROOT, fluid | rigid), Case("bodies", ROOT, rigid)]
     if options.against:
         cases.insert(1, Case("before", options.against.resolve(), fluid))
     for case in cases:
@@ -113,8 +118,9 @@ def main() -> None:
         one, number = found[case.name][0], options.bodies if "rigid" in case.spec else 0
         step, cost = (statistics.median(getattr(run, name) for run in found[case.name]) for name in ("step", "cost"))
         print(f"| {case.name} | {one.particles:,} | {number} | {one.steps} | {1e3 * step:.1f} | {cost:.1f} |")
-    print(f"both over fluid: {ratio(found, 'both', 'fluid')}")
-    print(f"bodies over fluid: {ratio(found, 'bodies', 'fluid')}")
+    if options.bodies:
+        print(f"both over fluid: {ratio(found, 'both', 'fluid')}")
+        print(f"bodies over fluid: {ratio(found, 'bodies', 'fluid')}")
     if options.against:
         print(f"fluid over the same before: {ratio(found, 'fluid', 'before')}")
 
