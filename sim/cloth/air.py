@@ -26,7 +26,7 @@ def drag_block(i: ti.i32, d: ti.template()) -> mat3:
 
 
 @ti.func
-def braked(i: ti.i32, mass: ti.f64, dt: ti.f64, momentum: vec3, wind: vec3, d: ti.template()):
+def braked(i: ti.i32, mass: ti.f64, dt: ti.f64, momentum: vec3, wind: vec3, d: ti.template()) -> vec3:
     """Velocity with drag at the end of the step, from the momentum without."""
     unit, block = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), drag_block(i, d)
     return (mass * unit + dt * block).inverse() @ (momentum + dt * (block @ wind))

@@ -172,12 +172,12 @@ class ImplicitEuler:
 
     def _part(self, dt: float) -> None:
         """Solve again and again until no contact is new."""
-        for left in reversed(range(ROUNDS)):
+        for rounds in range(1, ROUNDS + 1):
             self._rounds += 1
             self.collisions.harden(dt, HARDNESS)
             self._make_room()
             self._told += self._converge(dt)
-            if not self.collisions.find(self.trial.start, self.trial.place, add=left > 0):
+            if not self.collisions.find(self.trial.start, self.trial.place, add=rounds < ROUNDS):
                 break
 
     def _converge(self, dt: float) -> np.ndarray:

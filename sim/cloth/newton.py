@@ -139,7 +139,9 @@ def assess(
     t: Trial,
     e: System,
 ) -> ti.f64:
-    """Forces and stiffness of springs, hinges and contacts at the places tried; returns the energy [J]."""
+    """Forces and stiffness of springs, hinges and contacts at the places tried; returns the energy [J].
+
+    Masses come apart from the rest of the points: Taichi takes no more than 64 arguments."""
     for k in range(springs):
         along, length = line(t.place[s.ends[2 * k]], t.place[s.ends[2 * k + 1]])
         over, since = length - s.rest[k], length - t.length_before[k]
