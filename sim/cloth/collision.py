@@ -139,8 +139,19 @@ class Collisions:
             self._upload()
         return len(fresh.key)
 
-    def harden(self, dt: float, factor: float) -> None:
-        touch.harden(self.count, self.mesh.count, factor, dt, self.mesh.points.mass, self.mesh.stiff, self.touches)
+    def harden(self, dt: float, inertias: float, springs: float, sinking: float) -> None:
+        """Set the stiffness with which contacts are looked for; see `touch.harden`."""
+        mesh, factors = self.mesh, (inertias, springs, sinking)
+        tables = mesh.points.mass, mesh.stiff, self._thick, self.touches
+        touch.harden(self.count, mesh.count, *factors, dt, *tables)
+
+    def sunk(self, share: float, place: ti.Ndarray) -> int:
+        """How many contacts lack more than a share of their thickness at these places [m]."""
+        return touch.count_sunk(self.count, share, self._thick, self.touches, place)
+
+    def learn(self) -> None:
+        """Take the forces of contacts for known."""
+        touch.learn(self.count, self.touches)
 
     def press_on(self) -> float:
         """Renew the forces that friction counts; returns how far that may move contacts [m]."""
@@ -156,7 +167,7 @@ class Collisions:
     def end(self) -> None:
         """Keep forces for the next step."""
         if self.count:
-            touch.learn(self.count, self.touches)
+            self.learn()
         self._keep_forces()
 
     def hold_back(self, start: ti.Ndarray, place: ti.Ndarray) -> tuple[np.ndarray, int]:
@@ -265,6 +276,7 @@ class Collisions:
             self._make_room(2 * count)
         slide, hold = self._friction(known.key)
         first, entry = incidence(known.key[:, 1:], self.mesh.count)
+        _fill(self._thick, self._thickness(known.key))
         for name, values in (
             ("touch_corner", known.key[:, 1:].ravel()),
             ("touch_weight", known.weight),
@@ -275,10 +287,7 @@ class Collisions:
             ("first_touch", first),
             ("of_touch", entry),
         ):
-            array = self._arrays[name]
-            whole = np.zeros((array.shape[0], *np.shape(values)[1:]), np.asarray(values).dtype)
-            whole[: len(values)] = values
-            array.from_numpy(whole.astype(np.int32) if whole.dtype.kind == "i" else whole)
+            _fill(self._arrays[name], values)
 
     def _make_room(self, room: int) -> None:
         self._room = room
@@ -287,12 +296,13 @@ class Collisions:
             "touch_corner": integers(np.zeros(4 * room)),
             **{name: ti.Vector.ndarray(4, ti.f64, room) for name in ("touch_weight", "law")},
             **{name: vectors(three) for name in ("touch_normal", "grip", "touch_force", "touch_block")},
-            **{name: vectors(three) for name in ("touch_slip", "touch_way")},
+            **{name: vectors(three) for name in ("touch_trial", "touch_way")},
             **{name: numbers(np.zeros(room)) for name in ("hard", "press")},
             "first_touch": integers(np.zeros(self.mesh.count + 1)),
             "of_touch": integers(np.zeros(4 * room)),
         }
         self.touches = Touches(**self._arrays)
+        self._thick = numbers(np.zeros(room))
 
     @property
     def bytes(self) -> int:
@@ -352,6 +362,13 @@ class _Search:
                 self._queries, self._room, integers(first), self._number, self._hits, corners, weight, normal, narrow
             )
         return corners, weight, normal, narrow
+
+
+def _fill(array: ti.Ndarray, values: np.ndarray) -> None:
+    """Put values at the beginning of an array, and zeros behind them."""
+    whole = np.zeros((array.shape[0], *np.shape(values)[1:]), np.asarray(values).dtype)
+    whole[: len(values)] = values
+    array.from_numpy(whole.astype(np.int32) if whole.dtype.kind == "i" else whole)
 
 
 def _among(keys: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -1,158 +1,196 @@
-"""Conjugate gradients for a step of Newton's method, with blocks of the diagonal as preconditioner.
+"""Conjugate gradients for a step of Newton's method, in which contacts close, open, grip and slide as the laws say.
 
-Small cloths are solved by one thread in one launch: threads would wait for one another most of the time.
+What is minimised is quadratic but for contacts, whose energies are convex: the residual is that of the energy itself,
+the way along a course is where its slope ends, and courses follow Polak and Ribiere (Nocedal and Wright 2006, section
+5.2). Without contacts, or where contacts go on as they do, that is the linear method. Blocks of the diagonal are the
+preconditioner. Small cloths are solved by one thread in one launch: threads would wait for one another most of the
+time.
 """
 
 import taichi as ti
 
-from sim.cloth.air import drag
-from sim.cloth.layout import ROWS, Angles, Drag, Points, Strands, Touches
-from sim.cloth.newton import BEFORE, BEND, NOW, System, add_range, add_ranges
-from sim.cloth.touch import carried, yielding
+from sim.cloth.layout import ROWS, Points, Rows, Touches
+from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SHARE, System, add_range, add_ranges
+from sim.cloth.touch import carried, pressed, resisting, yielding
 from sim.double import vec3
 
 AT_ONCE = 4
 """Iterations in one launch."""
+TRIES = 3
+"""To find how far to go along a course, after the first."""
+FAR = 1e30
+"""No share of a course is as large."""
 
 
 @ti.func
-def _fold_back(k: ti.i32, a: ti.template(), e: ti.template()):
-    """How much the moment of a hinge changes along the course."""
-    total = ti.cast(0.0, ti.f64)
-    for corner in ti.static(range(4)):
-        total += e.slope[4 * k + corner].dot(e.course[a.corners[4 * k + corner]])
-    e.slope_way[k] = e.hinge_stiff[k] * total
-
-
-@ti.func
-def _push_back(
-    airy: ti.template(),
-    i: ti.i32,
-    dt: ti.f64,
-    p: ti.template(),
-    s: ti.template(),
-    a: ti.template(),
-    touch: ti.template(),
-    d: ti.template(),
-    e: ti.template(),
-) -> ti.f64:
-    """How much force on a point changes along the course; returns what that does to the energy."""
+def _bend(i: ti.i32, p: ti.template(), rows: ti.template(), e: ti.template()) -> vec3:
+    """How much force on a point, but for contacts, changes along the course; returns what that does to the energy."""
     q = vec3(0.0, 0.0, 0.0)
     if p.mobile[i]:
-        way = e.course[i]
-        q = p.mass[i] / (dt * dt) * way
-        for entry in range(s.first_spring[i], s.first_spring[i + 1]):
-            k, end = s.of_spring[entry] // 2, s.of_spring[entry] % 2
-            n, b = e.spring_normal[k], e.spring_block[k]
-            apart = way - e.course[s.ends[2 * k + 1 - end]]
-            q += b[1] * apart + (b[0] - b[1]) * n.dot(apart) * n
-        for entry in range(a.first_hinge[i], a.first_hinge[i + 1]):
-            q += e.slope_way[a.of_hinge[entry] // 4] * e.slope[a.of_hinge[entry]]
-        for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
-            c = touch.of_touch[entry] // 4
-            q += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
-        if ti.static(airy):
-            q += drag(i, way / dt, d)
+        q = rows.own_block[i] @ e.course[i]
+        for k in range(rows.first_block[i], rows.first_block[i + 1]):
+            q += rows.off_block[k] @ e.course[rows.column[k]]
     e.bent[i] = q
-    return q.dot(e.course[i])
+    return vec3(0.0, q.dot(e.course[i]), 0.0)
 
 
 @ti.func
-def _step_on(i: ti.i32, share: ti.f64, p: ti.template(), e: ti.template()) -> ti.f64:
-    """Go along the course; returns the point's part of r.z."""
+def _slope(linear: ti.template(), c: ti.i32, share: ti.f64, touch: ti.template()) -> vec3:
+    """What a contact does to the slope of the energy after a share of the course: that it takes away, and by how much
+    it bends."""
+    way, down, bend = touch.touch_way[c], ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    if ti.static(linear):
+        bend = way.dot(yielding(c, touch, way))
+        down = -share * bend
+    else:
+        trial = touch.touch_trial[c] - share * touch.hard[c] * way
+        down = way.dot(pressed(c, touch, trial) - touch.touch_force[c])
+        bend = resisting(c, touch, trial, way)
+    return vec3(down, bend, 0.0)
+
+
+@ti.func
+def _choose(touching: vec3, e: ti.template()):
+    """The next share to try, by Newton's method on the slope, between those known to be too small and too large."""
+    share = e.scalar[SHARE]
+    down = e.scalar[DOWN] - share * e.scalar[BEND] + touching[0]
+    bend = e.scalar[BEND] + touching[1]
+    if down > 0.0:
+        e.scalar[LOW] = share
+    else:
+        e.scalar[HIGH] = share
+    found = share
+    if bend > 0.0:
+        found = share + down / bend
+    if found > e.scalar[HIGH] or found < e.scalar[LOW]:
+        found = 0.5 * (e.scalar[LOW] + e.scalar[HIGH])
+    e.scalar[SHARE] = found
+
+
+@ti.func
+def _begin_to_choose(bend: ti.f64, e: ti.template()):
+    e.scalar[BEND] = bend
+    e.scalar[SHARE] = 0.0
+    e.scalar[LOW] = 0.0
+    e.scalar[HIGH] = FAR
+
+
+@ti.func
+def _push_on(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.template()):
+    """Go along the course with a contact; leaves by what its force changes."""
+    share, way = e.scalar[SHARE], touch.touch_way[c]
+    if ti.static(linear):
+        touch.touch_way[c] = -share * yielding(c, touch, way)
+    else:
+        trial = touch.touch_trial[c] - share * touch.hard[c] * way
+        force = pressed(c, touch, trial)
+        touch.touch_trial[c] = trial
+        touch.touch_way[c] = force - touch.touch_force[c]
+        touch.touch_force[c] = force
+
+
+@ti.func
+def _step_on(i: ti.i32, p: ti.template(), touch: ti.template(), e: ti.template()) -> vec3:
+    """Go along the course with a point; returns its parts of r.z, of z and the residual before, and of p.r."""
+    share, before, z = e.scalar[SHARE], e.residual[i], vec3(0.0, 0.0, 0.0)
     e.answer[i] += share * e.course[i]
-    r = e.residual[i] - share * e.bent[i]
-    z = vec3(0.0, 0.0, 0.0)
+    r = before - share * e.bent[i]
     if p.mobile[i]:
+        for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
+            c = touch.of_touch[entry] // 4
+            r += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
         z = e.inverse[i] @ r
     e.residual[i] = r
     e.scaled[i] = z
-    return r.dot(z)
+    return vec3(r.dot(z), before.dot(z), r.dot(e.course[i]))
 
 
 @ti.func
-def _ratio(one: ti.f64, other: ti.f64) -> ti.f64:
-    found = ti.cast(0.0, ti.f64)
-    if other > 0.0:
-        found = one / other
-    return found
+def _turn(sums: vec3, e: ti.template()):
+    """Which share of the course the next one keeps."""
+    keep = ti.cast(0.0, ti.f64)
+    if e.scalar[NOW] > 0.0:
+        keep = ti.max((sums[0] - sums[1]) / e.scalar[NOW], 0.0)
+    down = sums[0] + keep * sums[2]
+    if not down > 0.0:
+        keep, down = ti.cast(0.0, ti.f64), sums[0]
+    e.scalar[NOW] = sums[0]
+    e.scalar[DOWN] = down
+    e.scalar[SHARE] = keep
 
 
 @ti.kernel
 def solve_alone(
-    airy: ti.template(),
+    linear: ti.template(),
     points: ti.i32,
-    hinges: ti.i32,
     touches: ti.i32,
     most: ti.i32,
     enough: ti.f64,
-    dt: ti.f64,
     p: Points,
-    s: Strands,
-    a: Angles,
     touch: Touches,
-    d: Drag,
+    rows: Rows,
     e: System,
 ) -> ti.i32:
     """On one thread, until r.z is not above `enough`; returns iterations, one more than `most` where that is not so."""
     made = 0
     ti.loop_config(serialize=True)
     for _once in range(1):
-        now = e.scalar[NOW]
-        while now > enough and made <= most:
+        while e.scalar[NOW] > enough and made <= most:
             made += 1
-            for k in range(hinges):
-                _fold_back(k, a, e)
+            bend = vec3(0.0, 0.0, 0.0)
+            for i in range(points):
+                bend += _bend(i, p, rows, e)
+            _begin_to_choose(bend[1], e)
             for c in range(touches):
-                touch.touch_way[c] = yielding(c, touch, carried(c, touch, e.course))
-            bend = ti.cast(0.0, ti.f64)
+                touch.touch_way[c] = carried(c, touch, e.course)
+            for _try in range(1 + TRIES):
+                touching = vec3(0.0, 0.0, 0.0)
+                for c in range(touches):
+                    touching += _slope(linear, c, e.scalar[SHARE], touch)
+                _choose(touching, e)
+            for c in range(touches):
+                _push_on(linear, c, touch, e)
+            sums = vec3(0.0, 0.0, 0.0)
             for i in range(points):
-                bend += _push_back(airy, i, dt, p, s, a, touch, d, e)
-            share, before = _ratio(now, bend), now
-            now = ti.cast(0.0, ti.f64)
+                sums += _step_on(i, p, touch, e)
+            _turn(sums, e)
             for i in range(points):
-                now += _step_on(i, share, p, e)
-            go_on = _ratio(now, before)
-            for i in range(points):
-                e.course[i] = e.scaled[i] + go_on * e.course[i]
+                e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return made
 
 
 @ti.kernel
 def iterate(
-    airy: ti.template(),
-    points: ti.i32,
-    hinges: ti.i32,
-    touches: ti.i32,
-    dt: ti.f64,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    touch: Touches,
-    d: Drag,
-    e: System,
+    linear: ti.template(), points: ti.i32, touches: ti.i32, p: Points, touch: Touches, rows: Rows, e: System
 ) -> ti.f64:
     """AT_ONCE iterations on all threads; returns r.z."""
     for _again in ti.static(range(AT_ONCE)):
-        for k in range(hinges):
-            _fold_back(k, a, e)
+        for i in range(points):
+            e.part[i] = _bend(i, p, rows, e)
+        for row in range(ROWS):
+            add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
+        ti.loop_config(serialize=True)
+        for _once in range(1):
+            _begin_to_choose(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)[1], e)
         for c in range(touches):
-            touch.touch_way[c] = yielding(c, touch, carried(c, touch, e.course))
+            touch.touch_way[c] = carried(c, touch, e.course)
+        for _try in ti.static(range(1 + TRIES)):
+            for c in range(touches):
+                e.part[c] = _slope(linear, c, e.scalar[SHARE], touch)
+            for row in range(ROWS):
+                add_range(row, touches, vec3(0.0, 0.0, 0.0), e.part)
+            ti.loop_config(serialize=True)
+            for _once in range(1):
+                _choose(add_ranges(touches, vec3(0.0, 0.0, 0.0), e.part), e)
+        for c in range(touches):
+            _push_on(linear, c, touch, e)
         for i in range(points):
-            e.term[i] = _push_back(airy, i, dt, p, s, a, touch, d, e)
+            e.part[i] = _step_on(i, p, touch, e)
         for row in range(ROWS):
-            add_range(row, points, e.term)
+            add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            e.scalar[BEND] = add_ranges(points, e.term)
+            _turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), e)
         for i in range(points):
-            e.term[i] = _step_on(i, _ratio(e.scalar[NOW], e.scalar[BEND]), p, e)
-        for row in range(ROWS):
-            add_range(row, points, e.term)
-        ti.loop_config(serialize=True)
-        for _once in range(1):
-            e.scalar[BEFORE] = e.scalar[NOW]
-            e.scalar[NOW] = add_ranges(points, e.term)
-        for i in range(points):
-            e.course[i] = e.scaled[i] + _ratio(e.scalar[NOW], e.scalar[BEFORE]) * e.course[i]
+            e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return e.scalar[NOW]

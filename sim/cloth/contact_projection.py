@@ -61,7 +61,7 @@ def _recall(c: ti.i32, points: ti.i32, share: ti.f64, prompt: ti.f64, touch: ti.
     limit, was = touch.law[c][0], n.dot(before)
     if was < limit:
         limit = was + prompt * (limit - was)
-    touch.touch_slip[c] = before
+    touch.touch_trial[c] = before
     touch.touch_block[c] = vec3(0.0, limit, 0.0)
     touch.touch_way[c] = touch.press[c] * n + touch.grip[c]
 
@@ -84,7 +84,7 @@ def _press(
         if 0 <= i < points:
             soft += touch.touch_weight[c][corner] ** 2 * w.shares[i] * mobility(p, i)
     if touch.touch_block[c][0] > 0.0 and soft > 0.0:
-        n, before, k = touch.touch_normal[c], touch.touch_slip[c], 1.0 / (soft * dt * dt)
+        n, before, k = touch.touch_normal[c], touch.touch_trial[c], 1.0 / (soft * dt * dt)
         there = _between(c, points, share, touch, p.position, w)
         push = ti.max(touch.press[c] - k * (n.dot(there) - touch.touch_block[c][1]), 0.0)
         moved = there - before

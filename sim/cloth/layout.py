@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.double import Integers, Numbers, Vectors, vec4
+from sim.double import Integers, Matrices, Numbers, Vectors, vec4
 
 ROWS = 256
 """Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
@@ -37,6 +37,19 @@ corner."""
 Drag = ti.types.argpack(face=Vectors, drag_across=Numbers, drag_along=Numbers)
 """Of points: the cloth's normals, and drag of the air across and along it [kg/s]."""
 
+Rows = ti.types.argpack(
+    first_block=Integers,
+    column=Integers,
+    first_tie=Integers,
+    of_tie=Integers,
+    slot=Integers,
+    off_block=Matrices,
+    own_block=Matrices,
+)
+"""A matrix of blocks [N/m]: those of row i, from first_block[i] to first_block[i + 1], and their columns; that of the
+diagonal. Of pairs of points, what ties them, from first_tie[k] to first_tie[k + 1]: -1 - spring, or 16 hinge + 4 corner
+of the first + corner of the other; and the places of their two blocks."""
+
 Touches = ti.types.argpack(
     touch_corner=Integers,
     touch_weight=Weights,
@@ -47,7 +60,7 @@ Touches = ti.types.argpack(
     grip=Vectors,
     touch_force=Vectors,
     touch_block=Vectors,
-    touch_slip=Vectors,
+    touch_trial=Vectors,
     touch_way=Vectors,
     first_touch=Integers,
     of_touch=Integers,
@@ -55,10 +68,11 @@ Touches = ti.types.argpack(
 """Contacts: four points, -1 where there is none, and their weights; the normal; how far along it the first side has to
 be from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal
 that they count of [N]; the stiffness with which contacts are looked for [N/m]; the force along the normal [N] and
-across [N] that is known of; the force now, its stiffness along the normal, across, and along the slip [N/m], and the
-direction of that; what it yields; and those of each point, as 4 contact + corner.
+across [N] that is known of; the force now, its stiffness along the normal, across, and along the slip [N/m], and what
+it would be without the laws of contact [N]; how its sides move apart, or its force changes; and those of each point, as
+4 contact + corner.
 
-In small steps `touch_block` is whether a contact takes part, and its limit then [m], `touch_slip` where the first side
+In small steps `touch_block` is whether a contact takes part, and its limit then [m], `touch_trial` where the first side
 was from the other before [m], and `touch_way` by what the force changes [N]."""
 
 Way = ti.types.argpack(start=Vectors, before=Vectors, aims=Vectors, shares=Numbers)

@@ -1,297 +1,217 @@
-"""The equations of a step of implicit Euler.
+"""Newton's method for a step of implicit Euler: where the energy that `newton_sums` tells is least."""
 
-The new positions minimise the energy
+from __future__ import annotations
 
-    sum m |x - y|^2 / (2 dt^2) + springs(x) + hinges(x) + dampers(x) + drag(x),
+import math
 
-y where the points would go with gravity alone (Martin et al. 2011). Dampers store c (l - l_before)^2 / (2 dt), which
-depends on lengths alone, so that turning is not damped. Second derivatives are taken without what would make them
-negative, so that every way found leads down.
-"""
-
+import numpy as np
 import taichi as ti
 
-from sim.cloth.air import drag, drag_block
-from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import ROWS, Angles, Drag, Points, Strands, Touches
-from sim.cloth.springs import block, line
-from sim.cloth.touch import touch_energy
-from sim.double import Integers, Matrices, Numbers, Vectors, mat3, vec2, vec3
+from sim.cloth import conjugate_gradients, newton_sums
+from sim.cloth.collision import Collisions
+from sim.cloth.conjugate_gradients import AT_ONCE
+from sim.cloth.layout import ROWS
+from sim.cloth.mesh import ClothMesh
+from sim.cloth.newton_sums import Strain, System, Trial
+from sim.cloth.spec import ImplicitEuler as Settings
+from sim.cloth.stiffness import find_pattern
+from sim.cloth.tables import matrices, numbers, vectors
+from sim.double import vec3
 
-BEFORE, NOW, BEND = range(3)
-"""Scalars of conjugate gradients: r.z of the iteration before and of this one, and p.Ap."""
-
-Trial = ti.types.argpack(
-    start=Vectors,
-    aim=Vectors,
-    base=Vectors,
-    place=Vectors,
-    length_before=Numbers,
-    angle_before=Numbers,
-)
-"""Where points were, would go without springs, were tried before, and are tried [m]; lengths [m] and angles [rad]
-before the step."""
-
-System = ti.types.argpack(
-    spring_normal=Vectors,
-    spring_block=Vectors,
-    moment=Numbers,
-    hinge_stiff=Numbers,
-    slope=Vectors,
-    slope_way=Numbers,
-    residual=Vectors,
-    scaled=Vectors,
-    course=Vectors,
-    bent=Vectors,
-    answer=Vectors,
-    inverse=Matrices,
-    term=Numbers,
-    scalar=Numbers,
-)
-"""Springs: directions; stiffness along and across [N/m], tension [N]. Hinges: moments [N m], stiffness [N m], the four
-slopes of each [1/m]. Points: what conjugate gradients need. Terms and scalars of sums."""
+PASSES = 3
+"""Times that the forces which friction counts are renewed in a solution, and one more."""
+SEARCHES = 3
+"""For the least energy beyond the end of a way."""
+MOST = 4.0
+"""Times that such a search may go further than before."""
+FURTHER = 1.2
+"""Times that it has to go further to be worth it."""
+AS_TOLD = 0.4
+"""Linear forces let the energy fall by half of its slope; where it falls by less than this share, the way before is
+forgotten: in a bent valley, it would lead out."""
+NEARLY = 1e-9
+"""Energies that differ by this share are too much alike to tell where the least is."""
+HALVINGS = 30
+"""Of a way that does not lead down: then it is rounding that is left."""
+ROUNDING = 1e-12
+"""Energies that differ by this share are the same."""
 
 
-@ti.func
-def add_range(row: ti.i32, count: ti.i32, term: ti.template()):
-    """Sum one of ROWS ranges of so many terms, into a place behind them."""
-    size = (count + ROWS - 1) // ROWS
-    total = ti.cast(0.0, ti.f64)
-    for k in range(ti.min(row * size, count), ti.min((row + 1) * size, count)):
-        total += term[k]
-    term[count + row] = total
+class Newton:
+    """Finds where the points of a cloth go in a step."""
 
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Settings, collisions: Collisions):
+        self.mesh = mesh
+        self.settings = settings
+        self.collisions = collisions
+        self.gravity = vec3(*gravity)
+        n, s, h = mesh.count, mesh.springs, mesh.hinges
+        self.trial = Trial(
+            start=vectors(mesh.placed),
+            aim=vectors(mesh.placed),
+            base=vectors(mesh.placed),
+            place=mesh.place,
+            length_before=numbers(np.zeros(s)),
+            angle_before=numbers(np.zeros(h)),
+        )
+        self.left = 0.0
+        """Forces left over, over those that act, where the last solution met a cap."""
+        self._weight = float(np.linalg.norm(gravity))
+        self._mass = float(mesh.mass[~mesh.held].sum())
+        self._pattern = find_pattern(mesh.ends, mesh.corners, n)
+        self._strains = {
+            "spring_normal": vectors(np.zeros((s, 3))),
+            "spring_block": vectors(np.zeros((s, 3))),
+            "moment": numbers(np.zeros(h)),
+            "hinge_stiff": numbers(np.zeros(h)),
+            "slope": vectors(np.zeros((4 * h, 3))),
+        }
+        alike = ("force", "force_before", "residual", "scaled", "bent", "answer", "line")
+        self._tables = {
+            **{name: vectors(np.zeros((n, 3))) for name in alike},
+            # Solids do not give way.
+            "course": vectors(np.zeros((mesh.total, 3))),
+            "inverse": matrices(n),
+            "scalar": numbers(np.zeros(6)),
+        }
+        self._term_room = 0
 
-@ti.func
-def add_ranges(count: ti.i32, term: ti.template()) -> ti.f64:
-    """Sum what `add_range` left."""
-    total = ti.cast(0.0, ti.f64)
-    for row in range(ROWS):
-        total += term[count + row]
-    return total
+    def converge(self, dt: float) -> np.ndarray:
+        """Go to where the energy is least, each way conjugate to the one before; returns steps, iterations, and whether
+        a cap was met."""
+        self._make_room()
+        settings = self.settings
+        slow = settings.velocity_error * dt
+        energy = self._assess(dt)
+        iterations, capped, passes, way, before = 0, 0, 0, math.inf, 0.0
+        for step in range(settings.max_newton + 1):
+            first, unbalanced, acting = self._balance(dt)
+            if way == 0.0 or (way <= slow and unbalanced <= settings.force_error**2 * acting):
+                passes += 1
+                if passes == PASSES or self.collisions.press_on() <= slow:
+                    self.left = 0.0
+                    return np.array([step, iterations, capped])
+                energy, before = self._assess(dt), 0.0
+                first, *_ = self._balance(dt)
+            if step == settings.max_newton:
+                break
+            newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
+            made, ended = self._solve(first * settings.linear_error**2)
+            iterations += made
+            capped |= not ended
+            before, down = newton_sums.conjugate(self.mesh.count, before, self._system)
+            energy, way, as_told = self._descend(dt, energy, down)
+            before *= as_told
+        self.left = math.sqrt(unbalanced / acting)
+        return np.array([step, iterations, 1])
 
+    def linearize(self, dt: float) -> None:
+        """Find how points give way to forces where they are."""
+        self._assess(dt)
+        self._balance(dt)
+        newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
 
-@ti.func
-def _hinge(k: ti.i32, a: ti.template(), place: ti.template()):
-    return fold(
-        place[a.corners[4 * k]], place[a.corners[4 * k + 1]], place[a.corners[4 * k + 2]], place[a.corners[4 * k + 3]]
-    )
+    def give_way(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
+        """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
+        first = newton_sums.ask(self.mesh.count, self.mesh.points, load, self._system)
+        self._solve(first * error**2, linear=True)
+        return self._system.answer
 
+    def _assess(self, dt: float) -> float:
+        mesh = self.mesh
+        return newton_sums.assess(
+            mesh.air.present,
+            mesh.count,
+            mesh.springs,
+            mesh.hinges,
+            self.collisions.count,
+            dt,
+            mesh.air.wind,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            self.collisions.touches,
+            mesh.air.drag,
+            self.trial,
+            self._strain,
+        )
 
-@ti.kernel
-def begin(
-    points: ti.i32,
-    total: ti.i32,
-    springs: ti.i32,
-    hinges: ti.i32,
-    dt: ti.f64,
-    gravity: vec3,
-    falls: Numbers,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    t: Trial,
-) -> ti.i32:
-    """Remember the start, and try the positions of steady motion, or of a free fall for points that are said to do so
-    (1 or 0); held points, and those of solids after the cloth's, are in `place` already. Returns whether a spring would
-    turn by more than a right angle."""
-    for i in range(total):
-        x = p.position[i]
-        t.start[i] = x
-        if p.mobile[i]:
-            t.aim[i] = x + dt * (p.velocity[i] + dt * gravity)
-            t.place[i] = x + dt * (p.velocity[i] + falls[i] * dt * gravity)
-    turning = 0
-    for k in range(springs):
-        one, other = s.ends[2 * k], s.ends[2 * k + 1]
-        along, length = line(p.position[one], p.position[other])
-        t.length_before[k] = length
-        if along.dot(t.place[one] - t.place[other]) < 0.0:
-            ti.atomic_max(turning, 1)
-    for k in range(hinges):
-        t.angle_before[k] = _hinge(k, a, p.position).angle
-    return turning
+    def _balance(self, dt: float) -> tuple[float, float, float]:
+        """Find what forces are left; returns r.z, the sum of r^2 / m, and that of the forces that act."""
+        mesh, air, collisions = self.mesh, self.mesh.air, self.collisions
+        newton_sums.stiffen(
+            air.present,
+            mesh.count,
+            dt,
+            air.wind,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            air.drag,
+            self._pattern.rows,
+            self.trial,
+            self._strain,
+            self._system["force"],
+        )
+        parts = mesh.points, collisions.touches, self._pattern.rows, self.trial, self._system
+        first, left, acting = newton_sums.linearize(mesh.count, dt, self.gravity, *parts)
+        # Without gravity, what would count as a change.
+        least = self._weight or self.settings.velocity_error / dt
+        return first, left, max(acting, self._mass * least**2)
 
+    def _solve(self, enough: float, *, linear: bool = False) -> tuple[int, bool]:
+        """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
+        cap. `linear`: contacts go on as they do."""
+        mesh, most, touches = self.mesh, self.settings.max_iterations, self.collisions.count
+        parts = mesh.points, self.collisions.touches, self._pattern.rows, self._system
+        if mesh.alone:
+            made = conjugate_gradients.solve_alone(linear, mesh.count, touches, most, enough, *parts)
+            return made, made <= most
+        for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
+            left = conjugate_gradients.iterate(linear, mesh.count, touches, *parts)
+            if not left > enough:
+                return made, True
+        return made, False
 
-@ti.kernel
-def stay(points: ti.i32, p: Points, t: Trial):
-    """Try the places of the start."""
-    for i in range(points):
-        if p.mobile[i]:
-            t.place[i] = t.start[i]
+    def _descend(self, dt: float, energy: float, down: float) -> tuple[float, float, bool]:
+        """Go along the way found, on which the energy falls by `down` [J] for the whole of it at first, to its end; on
+        if that is where the energy goes on to fall; less far if it does not fall. Returns the energy, the longest way
+        of a point [m], and whether the energy has fallen as much as linear forces would let it."""
+        share, way, after = 1.0, *self._try(dt, 1.0)
+        as_told = energy - after > AS_TOLD * down
+        for _ in range(SEARCHES):
+            bend = 2 * (after - energy + share * down) / share**2
+            best = min(down / bend, MOST * share) if bend > 0 else MOST * share
+            if abs(after - energy) < NEARLY * abs(energy) or best < FURTHER * share:
+                break
+            _, found = self._try(dt, best)
+            if not found < after:
+                self._try(dt, share)
+                break
+            share, after = best, found
+        for _ in range(HALVINGS):
+            if after <= energy + ROUNDING * abs(energy) or not math.isfinite(way):
+                return after, share * way, as_told
+            share /= 2
+            _, after = self._try(dt, share)
+        return self._try(dt, 0.0)[1], 0.0, False
 
+    def _try(self, dt: float, share: float) -> tuple[float, float]:
+        """Go a share of the way found; returns how far all of it takes any point [m], and the energy [J]."""
+        return newton_sums.move(self.mesh.count, share, self.trial, self._system), self._assess(dt)
 
-@ti.kernel
-def assess(
-    airy: ti.template(),
-    points: ti.i32,
-    springs: ti.i32,
-    hinges: ti.i32,
-    touches: ti.i32,
-    dt: ti.f64,
-    wind: vec3,
-    mass: Numbers,
-    mobile: Integers,
-    s: Strands,
-    a: Angles,
-    touch: Touches,
-    d: Drag,
-    t: Trial,
-    e: System,
-) -> ti.f64:
-    """Forces and stiffness of springs, hinges and contacts at the places tried; returns the energy [J].
+    def _make_room(self) -> None:
+        """Let there be room for the sums over all contacts."""
+        mesh = self.mesh
+        needed = mesh.count + mesh.springs + mesh.hinges + self.collisions.count + ROWS
+        if needed > self._term_room:
+            self._term_room = needed + self.collisions.count
+            part = vectors(np.zeros((max(mesh.count, 2 * self.collisions.count) + ROWS, 3)))
+            self._strain = Strain(**self._strains, term=numbers(np.zeros(self._term_room)))
+            self._system = System(**self._tables, part=part)
 
-    Masses come apart from the rest of the points: Taichi takes no more than 64 arguments."""
-    for k in range(springs):
-        along, length = line(t.place[s.ends[2 * k]], t.place[s.ends[2 * k + 1]])
-        over, since = length - s.rest[k], length - t.length_before[k]
-        tension = s.stiff[k] * over + s.damp[k] / dt * since
-        stiffness, across = block(s.stiff[k] + s.damp[k] / dt, tension, length)
-        e.spring_normal[k] = along
-        e.spring_block[k] = vec3(stiffness, across, tension)
-        e.term[points + k] = 0.5 * (s.stiff[k] * over * over + s.damp[k] / dt * since * since)
-    for k in range(hinges):
-        hinge = _hinge(k, a, t.place)
-        over, since = turned(hinge.angle, a.rest_angle[k]), turned(hinge.angle, t.angle_before[k])
-        e.moment[k] = a.rigid[k] * over + a.bend_damp[k] / dt * since
-        e.hinge_stiff[k] = a.rigid[k] + a.bend_damp[k] / dt
-        e.slope[4 * k] = hinge.p
-        e.slope[4 * k + 1] = hinge.q
-        e.slope[4 * k + 2] = hinge.r
-        e.slope[4 * k + 3] = hinge.s
-        e.term[points + springs + k] = 0.5 * (a.rigid[k] * over * over + a.bend_damp[k] / dt * since * since)
-    for c in range(touches):
-        e.term[points + springs + hinges + c] = touch_energy(c, touch, t.start, t.place)
-    for i in range(points):
-        energy = ti.cast(0.0, ti.f64)
-        if mobile[i]:
-            energy = 0.5 * mass[i] / (dt * dt) * (t.place[i] - t.aim[i]).norm_sqr()
-            if ti.static(airy):
-                past = (t.place[i] - t.start[i]) / dt - wind
-                energy += 0.5 * dt * past.dot(drag(i, past, d))
-        e.term[i] = energy
-    count = points + springs + hinges + touches
-    for row in range(ROWS):
-        add_range(row, count, e.term)
-    energy = ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for _once in range(1):
-        energy = add_ranges(count, e.term)
-    return energy
-
-
-@ti.kernel
-def linearize(
-    airy: ti.template(),
-    points: ti.i32,
-    dt: ti.f64,
-    wind: vec3,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    touch: Touches,
-    d: Drag,
-    t: Trial,
-    e: System,
-) -> vec2:
-    """Forces that are left at the places tried, and the preconditioner: blocks of the diagonal. Returns r.z, and the
-    sum of r^2 / m, which bounds what is wrong whatever the springs: A is at least m / dt^2."""
-    for i in range(points):
-        z, r = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
-        if p.mobile[i]:
-            unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-            inertia = p.mass[i] / (dt * dt)
-            r = inertia * (t.aim[i] - t.place[i])
-            diagonal = inertia * unit
-            for entry in range(s.first_spring[i], s.first_spring[i + 1]):
-                k, end = s.of_spring[entry] // 2, s.of_spring[entry] % 2
-                n, b = e.spring_normal[k], e.spring_block[k]
-                r -= ti.cast(1 - 2 * end, ti.f64) * b[2] * n
-                diagonal += b[1] * unit + (b[0] - b[1]) * n.outer_product(n)
-            for entry in range(a.first_hinge[i], a.first_hinge[i + 1]):
-                k, lean = a.of_hinge[entry] // 4, e.slope[a.of_hinge[entry]]
-                r -= e.moment[k] * lean
-                diagonal += e.hinge_stiff[k] * lean.outer_product(lean)
-            for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
-                c = touch.of_touch[entry] // 4
-                w = touch.touch_weight[c][touch.of_touch[entry] % 4]
-                n, slip, b = touch.touch_normal[c], touch.touch_slip[c], touch.touch_block[c]
-                r += w * touch.touch_force[c]
-                diagonal += w * w * (b[1] * unit + (b[0] - b[1]) * n.outer_product(n))
-                diagonal += w * w * (b[2] - b[1]) * slip.outer_product(slip)
-            if ti.static(airy):
-                r -= drag(i, (t.place[i] - t.start[i]) / dt - wind, d)
-                diagonal += drag_block(i, d) / dt
-            e.inverse[i] = diagonal.inverse()
-            z = e.inverse[i] @ r
-        e.residual[i] = r
-        e.scaled[i] = z
-        e.course[i] = z
-        e.answer[i] = vec3(0.0, 0.0, 0.0)
-        t.base[i] = t.place[i]
-        e.term[i] = r.dot(z)
-    for row in range(ROWS):
-        add_range(row, points, e.term)
-    ti.loop_config(serialize=True)
-    for _once in range(1):
-        total = add_ranges(points, e.term)
-        e.scalar[NOW] = total
-    for i in range(points):
-        left = ti.cast(0.0, ti.f64)
-        if p.mobile[i]:
-            left = e.residual[i].norm_sqr() / p.mass[i]
-        e.term[i] = left
-    for row in range(ROWS):
-        add_range(row, points, e.term)
-    unbalanced = ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for _once in range(1):
-        unbalanced = add_ranges(points, e.term)
-    return vec2(e.scalar[NOW], unbalanced)
-
-
-@ti.kernel
-def load_on(points: ti.i32, dt: ti.f64, p: Points, load: Vectors, t: Trial):
-    """Let forces on points [N] act in the step besides gravity."""
-    for i in range(points):
-        if p.mobile[i]:
-            t.aim[i] += dt * dt / p.mass[i] * load[i]
-
-
-@ti.kernel
-def ask(points: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
-    """Begin to look for how points give way to forces [N] beside those there are; returns r.z."""
-    for i in range(points):
-        z, r = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
-        if p.mobile[i]:
-            r = load[i]
-            z = e.inverse[i] @ r
-        e.residual[i] = r
-        e.course[i] = z
-        e.answer[i] = vec3(0.0, 0.0, 0.0)
-        e.term[i] = r.dot(z)
-    for row in range(ROWS):
-        add_range(row, points, e.term)
-    ti.loop_config(serialize=True)
-    for _once in range(1):
-        total = add_ranges(points, e.term)
-        e.scalar[NOW] = total
-    return e.scalar[NOW]
-
-
-@ti.kernel
-def move(points: ti.i32, share: ti.f64, t: Trial, e: System) -> ti.f64:
-    """Try a share of the way found; returns how far the whole of it takes any point [m]."""
-    longest = ti.cast(0.0, ti.f64)
-    for i in range(points):
-        t.place[i] = t.base[i] + share * e.answer[i]
-        ti.atomic_max(longest, e.answer[i].norm())
-    return longest
-
-
-@ti.kernel
-def finish(total: ti.i32, dt: ti.f64, p: Points, t: Trial):
-    """Take the places tried."""
-    for i in range(total):
-        p.velocity[i] = (t.place[i] - t.start[i]) / dt
-        p.position[i] = t.place[i]
+    @property
+    def bytes(self) -> int:
+        n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
+        own = n * (3 * 11 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + self._pattern.pairs * 18
+        return 8 * own

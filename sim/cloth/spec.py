@@ -132,10 +132,12 @@ class ImplicitEuler(Settings):
     """Newton's method and conjugate gradients."""
 
     velocity_error: PositiveSpeed = 0.01
-    """Newton's method ends when no velocity changes by more than this [m/s], and forces are balanced: on average to
-    within linear_error of the weight."""
+    """Newton's method ends when no velocity changes by more than this [m/s], and forces are balanced."""
+    force_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 1e-2
+    """Forces are balanced when what is left of them is, on average, this share of those that accelerate the cloth in
+    the step, or of its weight."""
     max_newton: Annotated[int, Ge(1), Le(1000)] = 20
-    linear_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 1e-2
+    linear_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 0.03
     """Of each linear system: residual over the first one."""
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 1000
     """Of conjugate gradients in each of Newton's steps."""

@@ -9,7 +9,7 @@ as the press that friction counts is renewed only when the rest has come to an e
 import taichi as ti
 
 from sim.cloth.layout import Touches
-from sim.double import Numbers, vec3
+from sim.double import Numbers, Vectors, vec3
 
 NOTHING = 1e-30
 """A force of friction below this [N] has no direction."""
@@ -27,51 +27,115 @@ def carried(c: ti.i32, touch: ti.template(), values: ti.template()) -> vec3:
 
 
 @ti.func
+def pressed(c: ti.i32, touch: ti.template(), trial: vec3) -> vec3:
+    """The force that the laws of contact leave of a trial: a push, and a grip in the cone that holds for now."""
+    n, bound = touch.touch_normal[c], touch.law[c][1]
+    if touch.touch_block[c][2] > 0.0:
+        bound = touch.law[c][2]
+    along = n.dot(trial)
+    grip, most = trial - along * n, bound * touch.law[c][3]
+    size = grip.norm()
+    if size > most + NOTHING:
+        grip *= most / size
+    return ti.max(along, 0.0) * n + grip
+
+
+@ti.func
 def touch_energy(c: ti.i32, touch: ti.template(), start: ti.template(), place: ti.template()) -> ti.f64:
     """Set the force of a contact; returns what it stores [J]."""
     n, k = touch.touch_normal[c], touch.hard[c]
     there = carried(c, touch, place)
-    trial = touch.press[c] - k * (n.dot(there) - touch.law[c][0])
-    push = ti.max(trial, 0.0)
-    energy = 0.5 * (push * push - touch.press[c] * touch.press[c]) / k
     moved = there - carried(c, touch, start)
-    grip = touch.grip[c] - k * (moved - n * n.dot(moved))
-    size = grip.norm()
+    grip = touch.grip[c] - k * moved
+    grip -= n.dot(grip) * n
+    push = touch.press[c] - k * (n.dot(there) - touch.law[c][0])
+    size, most = grip.norm(), touch.law[c][1] * touch.law[c][3]
     firm, loose = k, k
-    slip = vec3(0.0, 0.0, 0.0)
+    energy = 0.5 * (ti.max(push, 0.0) ** 2 - touch.press[c] * touch.press[c]) / k
     if size <= touch.law[c][2] * touch.law[c][3] + NOTHING:
         energy += 0.5 * size * size / k
     else:
-        most = touch.law[c][1] * touch.law[c][3]
         energy += (most * size - 0.5 * most * most) / k
-        slip = grip / size
-        grip = most * slip
         firm, loose = k * most / size, ti.cast(0.0, ti.f64)
-    touch.touch_force[c] = push * n + grip
-    touch.touch_block[c] = vec3(k if trial > 0.0 else 0.0, firm, loose)
-    touch.touch_slip[c] = slip
+    touch.touch_trial[c] = push * n + grip
+    touch.touch_block[c] = vec3(k if push > 0.0 else 0.0, firm, loose)
+    touch.touch_force[c] = pressed(c, touch, touch.touch_trial[c])
     return energy
 
 
 @ti.func
+def slipping(c: ti.i32, touch: ti.template()) -> vec3:
+    """The direction in which a contact grips; zero where it does not."""
+    n, trial = touch.touch_normal[c], touch.touch_trial[c]
+    grip = trial - n.dot(trial) * n
+    size, found = grip.norm(), vec3(0.0, 0.0, 0.0)
+    if size > NOTHING:
+        found = grip / size
+    return found
+
+
+@ti.func
 def yielding(c: ti.i32, touch: ti.template(), way: vec3) -> vec3:
-    """How much less a contact pushes after its sides have moved apart by `way` [m]."""
-    n, t, b = touch.touch_normal[c], touch.touch_slip[c], touch.touch_block[c]
-    along, slipping = n.dot(way), t.dot(way)
-    return b[0] * along * n + b[1] * (way - along * n - slipping * t) + b[2] * slipping * t
+    """How much less a contact pushes after its sides have moved apart by `way` [m], if it goes on as it does."""
+    n, t, b = touch.touch_normal[c], slipping(c, touch), touch.touch_block[c]
+    along, sliding = n.dot(way), t.dot(way)
+    return b[0] * along * n + b[1] * (way - along * n - sliding * t) + b[2] * sliding * t
+
+
+@ti.func
+def resisting(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3) -> ti.f64:
+    """How much work a contact at a trial takes more for each `way` [m] that its sides move apart [J]."""
+    n, k, bound = touch.touch_normal[c], touch.hard[c], touch.law[c][1]
+    if touch.touch_block[c][2] > 0.0:
+        bound = touch.law[c][2]
+    along, work = n.dot(trial), ti.cast(0.0, ti.f64)
+    if along > 0.0:
+        work += k * n.dot(way) ** 2
+    grip, across, most = trial - along * n, way - n.dot(way) * n, bound * touch.law[c][3]
+    size = grip.norm()
+    if size > most + NOTHING:
+        work += k * most / size * (across.norm_sqr() - (grip.dot(across) / size) ** 2)
+    else:
+        work += k * across.norm_sqr()
+    return work
 
 
 @ti.kernel
-def harden(touches: ti.i32, points: ti.i32, factor: ti.f64, dt: ti.f64, mass: Numbers, stiff: Numbers, touch: Touches):
-    """Set the stiffness with which contacts are looked for: that of the cloth where they are, times a factor."""
+def harden(
+    touches: ti.i32,
+    points: ti.i32,
+    inertias: ti.f64,
+    springs: ti.f64,
+    sinking: ti.f64,
+    dt: ti.f64,
+    mass: Numbers,
+    stiff: Numbers,
+    thick: Numbers,
+    touch: Touches,
+):
+    """Set the stiffness with which contacts are looked for: so many times the inertia of their points in a step; or
+    such that the force that is known of would let them sink by a share of their thickness, but not more than so many
+    times that of springs and inertia there."""
     for c in range(touches):
-        soft = ti.cast(0.0, ti.f64)
+        heavy, loose = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         for corner in ti.static(range(4)):
             i = touch.touch_corner[4 * c + corner]
             if 0 <= i < points:
-                w = touch.touch_weight[c][corner]
-                soft += w * w / (mass[i] / (dt * dt) + stiff[i])
-        touch.hard[c] = factor / ti.max(soft, 1e-30)
+                inertia, squared = mass[i] / (dt * dt), touch.touch_weight[c][corner] ** 2
+                heavy += squared / inertia
+                loose += squared / (inertia + stiff[i])
+        least, most = inertias / ti.max(heavy, 1e-30), springs / ti.max(loose, 1e-30)
+        touch.hard[c] = ti.max(least, ti.min(touch.press[c] / (sinking * thick[c]), most))
+
+
+@ti.kernel
+def count_sunk(touches: ti.i32, share: ti.f64, thick: Numbers, touch: Touches, place: Vectors) -> ti.i32:
+    """How many contacts lack more than a share of their thickness."""
+    found = 0
+    for c in range(touches):
+        if touch.touch_normal[c].dot(carried(c, touch, place)) < touch.law[c][0] - share * thick[c]:
+            found += 1
+    return found
 
 
 @ti.kernel

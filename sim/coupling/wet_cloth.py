@@ -123,7 +123,7 @@ class WetCloth:
         self._sum(self._load, self._steady, last)
         self._integrator.foresee(dt, self._load)
         self._integrator.linearize(dt)
-        self._expected.copy_from(self._integrator.give_way(dt, last))
+        self._expected.copy_from(self._integrator.give_way(last))
         self._found.fill(0.0)
         self._pose()
 
@@ -134,12 +134,12 @@ class WetCloth:
 
     def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
         self.reaction.pressures(ahead, self._pressed, found=False)
-        way = self._integrator.give_way(self._dt, self._pressed)
+        way = self._integrator.give_way(self._pressed)
         self.reaction.give_way(ahead, way, self._dt**2, fresh=self._alone)
 
     def press(self, ahead: float) -> None:
         self.reaction.pressures(ahead, self._pressed, found=True)
-        self._way.copy_from(self._integrator.give_way(self._dt, self._pressed))
+        self._way.copy_from(self._integrator.give_way(self._pressed))
 
     def slow(self, dt: float, change: np.ndarray) -> None:
         """Implicit viscosity is refused beside cloth."""

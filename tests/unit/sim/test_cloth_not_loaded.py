@@ -36,4 +36,4 @@ def test_what_a_scene_loads_and_launches(tmp_path, name):
         assert {"sim.cloth.part", "sim.cloth.implicit_euler"} <= loaded
         assert not {"sim.cloth.xpbd", "sim.cloth.symplectic_euler"} & loaded
         assert ("sim.coupling.cloth_rigid" in loaded) == (name != "cloth alone")
-        assert "sim.cloth.newton.assess" in launched
+        assert "sim.cloth.newton_sums.assess" in launched
