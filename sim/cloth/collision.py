@@ -28,6 +28,8 @@ NEAR = 1.2
 """Contacts are forgotten from this many thicknesses on."""
 SHARE = 0.2
 """Of what the thickness lacks, so much is made up for in a step."""
+ENDS = 1e-9
+"""Weights below this are none."""
 ROOM = 8
 """Hits of one point or edge that there is room for at first."""
 HALVINGS = 40
@@ -196,6 +198,10 @@ class Collisions:
         self.narrow = np.concatenate([corners[narrow > 0] for corners, *_, narrow in found])
         parts = [Known.none()]
         for one, (corners, weight, normal, _) in zip(self._searches, found, strict=True):
+            if one.edges:
+                # Where an end of an edge is nearest, its point and a triangle are a pair already.
+                between = (np.abs(weight) > ENDS).all(axis=1)
+                corners, weight, normal = corners[between], weight[between], normal[between]
             if len(corners):
                 kind = np.full((len(corners), 1), EDGE if one.edges else POINT, np.int32)
                 parts.append(self._unknown(np.concatenate([kind, corners], axis=1), weight, normal))

@@ -10,14 +10,16 @@ time.
 import taichi as ti
 
 from sim.cloth.layout import ROWS, Points, Rows, Touches
-from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SHARE, System, add_range, add_ranges
-from sim.cloth.touch import carried, pressed, resisting, yielding
+from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SETTLED, SHARE, System, add_range, add_ranges
+from sim.cloth.touch import carried, pressed, works, yielding
 from sim.double import vec3
 
 AT_ONCE = 4
 """Iterations in one launch."""
 TRIES = 3
 """To find how far to go along a course, after the first."""
+FLAT = 0.1
+"""Of the slope of the energy at the start of a course, so much may be left at its end."""
 FAR = 1e30
 """No share of a course is as large."""
 
@@ -35,36 +37,40 @@ def _bend(i: ti.i32, p: ti.template(), rows: ti.template(), e: ti.template()) ->
 
 
 @ti.func
-def _slope(linear: ti.template(), c: ti.i32, share: ti.f64, touch: ti.template()) -> vec3:
+def _slope(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.template()) -> vec3:
     """What a contact does to the slope of the energy after a share of the course: that it takes away, and by how much
     it bends."""
-    way, down, bend = touch.touch_way[c], ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    way, share = touch.touch_way[c], e.scalar[SHARE]
+    down, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
     if ti.static(linear):
         bend = way.dot(yielding(c, touch, way))
         down = -share * bend
     else:
-        trial = touch.touch_trial[c] - share * touch.hard[c] * way
-        down = way.dot(pressed(c, touch, trial) - touch.touch_force[c])
-        bend = resisting(c, touch, trial, way)
+        work, less = works(c, touch, touch.touch_trial[c] - share * touch.hard[c] * way, way)
+        down, bend = work - way.dot(touch.touch_force[c]), less
     return vec3(down, bend, 0.0)
 
 
 @ti.func
 def _choose(touching: vec3, e: ti.template()):
-    """The next share to try, by Newton's method on the slope, between those known to be too small and too large."""
+    """The next share to try, by Newton's method on the slope, between those known to be too small and too large; or
+    settle for this one."""
     share = e.scalar[SHARE]
     down = e.scalar[DOWN] - share * e.scalar[BEND] + touching[0]
     bend = e.scalar[BEND] + touching[1]
-    if down > 0.0:
-        e.scalar[LOW] = share
+    if abs(down) <= FLAT * e.scalar[DOWN]:
+        e.scalar[SETTLED] = 1.0
     else:
-        e.scalar[HIGH] = share
-    found = share
-    if bend > 0.0:
-        found = share + down / bend
-    if found > e.scalar[HIGH] or found < e.scalar[LOW]:
-        found = 0.5 * (e.scalar[LOW] + e.scalar[HIGH])
-    e.scalar[SHARE] = found
+        if down > 0.0:
+            e.scalar[LOW] = share
+        else:
+            e.scalar[HIGH] = share
+        found = share
+        if bend > 0.0:
+            found = share + down / bend
+        if found > e.scalar[HIGH] or found < e.scalar[LOW]:
+            found = 0.5 * (e.scalar[LOW] + e.scalar[HIGH])
+        e.scalar[SHARE] = found
 
 
 @ti.func
@@ -73,6 +79,7 @@ def _begin_to_choose(bend: ti.f64, e: ti.template()):
     e.scalar[SHARE] = 0.0
     e.scalar[LOW] = 0.0
     e.scalar[HIGH] = FAR
+    e.scalar[SETTLED] = 0.0
 
 
 @ti.func
@@ -144,10 +151,11 @@ def solve_alone(
             for c in range(touches):
                 touch.touch_way[c] = carried(c, touch, e.course)
             for _try in range(1 + TRIES):
-                touching = vec3(0.0, 0.0, 0.0)
-                for c in range(touches):
-                    touching += _slope(linear, c, e.scalar[SHARE], touch)
-                _choose(touching, e)
+                if e.scalar[SETTLED] == 0.0:
+                    touching = vec3(0.0, 0.0, 0.0)
+                    for c in range(touches):
+                        touching += _slope(linear, c, touch, e)
+                    _choose(touching, e)
             for c in range(touches):
                 _push_on(linear, c, touch, e)
             sums = vec3(0.0, 0.0, 0.0)
@@ -176,12 +184,15 @@ def iterate(
             touch.touch_way[c] = carried(c, touch, e.course)
         for _try in ti.static(range(1 + TRIES)):
             for c in range(touches):
-                e.part[c] = _slope(linear, c, e.scalar[SHARE], touch)
+                if e.scalar[SETTLED] == 0.0:
+                    e.part[c] = _slope(linear, c, touch, e)
             for row in range(ROWS):
-                add_range(row, touches, vec3(0.0, 0.0, 0.0), e.part)
+                if e.scalar[SETTLED] == 0.0:
+                    add_range(row, touches, vec3(0.0, 0.0, 0.0), e.part)
             ti.loop_config(serialize=True)
             for _once in range(1):
-                _choose(add_ranges(touches, vec3(0.0, 0.0, 0.0), e.part), e)
+                if e.scalar[SETTLED] == 0.0:
+                    _choose(add_ranges(touches, vec3(0.0, 0.0, 0.0), e.part), e)
         for c in range(touches):
             _push_on(linear, c, touch, e)
         for i in range(points):

@@ -12,7 +12,7 @@ from sim.cloth.collision import Collisions
 from sim.cloth.conjugate_gradients import AT_ONCE
 from sim.cloth.layout import ROWS
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.newton_sums import Strain, System, Trial
+from sim.cloth.newton_sums import SETTLED, Strain, System, Trial
 from sim.cloth.spec import ImplicitEuler as Settings
 from sim.cloth.stiffness import find_pattern
 from sim.cloth.tables import matrices, numbers, vectors
@@ -72,7 +72,7 @@ class Newton:
             # Solids do not give way.
             "course": vectors(np.zeros((mesh.total, 3))),
             "inverse": matrices(n),
-            "scalar": numbers(np.zeros(6)),
+            "scalar": numbers(np.zeros(SETTLED + 1)),
         }
         self._term_room = 0
 

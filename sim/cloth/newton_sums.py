@@ -18,8 +18,9 @@ from sim.cloth.springs import block, line
 from sim.cloth.touch import slipping, touch_energy
 from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3
 
-NOW, DOWN, BEND, SHARE, LOW, HIGH = range(6)
-"""Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, and between which shares."""
+NOW, DOWN, BEND, SHARE, LOW, HIGH, SETTLED = range(7)
+"""Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, and whether
+that is settled."""
 
 Trial = ti.types.argpack(
     start=Vectors,

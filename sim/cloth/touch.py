@@ -27,17 +27,48 @@ def carried(c: ti.i32, touch: ti.template(), values: ti.template()) -> vec3:
 
 
 @ti.func
-def pressed(c: ti.i32, touch: ti.template(), trial: vec3) -> vec3:
-    """The force that the laws of contact leave of a trial: a push, and a grip in the cone that holds for now."""
-    n, bound = touch.touch_normal[c], touch.law[c][1]
+def most_grip(c: ti.i32, touch: ti.template()) -> ti.f64:
+    """How much a contact can grip [N], by the force along the normal that friction counts."""
+    bound = touch.law[c][1]
     if touch.touch_block[c][2] > 0.0:
         bound = touch.law[c][2]
+    return bound * touch.law[c][3]
+
+
+@ti.func
+def pressed(c: ti.i32, touch: ti.template(), trial: vec3) -> vec3:
+    """The force that the laws of contact leave of a trial: a push, and a grip in the cone that holds for now."""
+    n = touch.touch_normal[c]
     along = n.dot(trial)
-    grip, most = trial - along * n, bound * touch.law[c][3]
-    size = grip.norm()
-    if size > most + NOTHING:
-        grip *= most / size
-    return ti.max(along, 0.0) * n + grip
+    force, most = ti.max(along, 0.0) * n, most_grip(c, touch)
+    if most > 0.0:
+        grip = trial - along * n
+        size = grip.norm()
+        if size > most + NOTHING:
+            grip *= most / size
+        force += grip
+    return force
+
+
+@ti.func
+def works(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3):
+    """What a contact at a trial does along a way [J], and how much less for each way more that it has gone."""
+    n, k = touch.touch_normal[c], touch.hard[c]
+    along, pace, most = n.dot(trial), n.dot(way), most_grip(c, touch)
+    work, less = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    if along > 0.0:
+        work += along * pace
+        less += k * pace * pace
+    if most > 0.0:
+        grip, across = trial - along * n, way - pace * n
+        size, done = grip.norm(), grip.dot(across)
+        if size > most + NOTHING:
+            work += most / size * done
+            less += k * most / size * (across.norm_sqr() - (done / size) ** 2)
+        else:
+            work += done
+            less += k * across.norm_sqr()
+    return work, less
 
 
 @ti.func
@@ -80,24 +111,6 @@ def yielding(c: ti.i32, touch: ti.template(), way: vec3) -> vec3:
     n, t, b = touch.touch_normal[c], slipping(c, touch), touch.touch_block[c]
     along, sliding = n.dot(way), t.dot(way)
     return b[0] * along * n + b[1] * (way - along * n - sliding * t) + b[2] * sliding * t
-
-
-@ti.func
-def resisting(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3) -> ti.f64:
-    """How much work a contact at a trial takes more for each `way` [m] that its sides move apart [J]."""
-    n, k, bound = touch.touch_normal[c], touch.hard[c], touch.law[c][1]
-    if touch.touch_block[c][2] > 0.0:
-        bound = touch.law[c][2]
-    along, work = n.dot(trial), ti.cast(0.0, ti.f64)
-    if along > 0.0:
-        work += k * n.dot(way) ** 2
-    grip, across, most = trial - along * n, way - n.dot(way) * n, bound * touch.law[c][3]
-    size = grip.norm()
-    if size > most + NOTHING:
-        work += k * most / size * (across.norm_sqr() - (grip.dot(across) / size) ** 2)
-    else:
-        work += k * across.norm_sqr()
-    return work
 
 
 @ti.kernel
