@@ -304,6 +304,7 @@ class Collisions:
             **{name: vectors(three) for name in ("touch_normal", "grip", "touch_force", "touch_block")},
             **{name: vectors(three) for name in ("touch_trial", "touch_way")},
             **{name: numbers(np.zeros(room)) for name in ("hard", "press")},
+            "awake": integers(np.ones(room)),
             "first_touch": integers(np.zeros(self.mesh.count + 1)),
             "of_touch": integers(np.zeros(4 * room)),
         }

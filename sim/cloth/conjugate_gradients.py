@@ -40,14 +40,15 @@ def _bend(i: ti.i32, p: ti.template(), rows: ti.template(), e: ti.template()) ->
 def _slope(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.template()) -> vec3:
     """What a contact does to the slope of the energy after a share of the course: that it takes away, and by how much
     it bends."""
-    way, share = touch.touch_way[c], e.scalar[SHARE]
     down, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    if ti.static(linear):
-        bend = way.dot(yielding(c, touch, way))
-        down = -share * bend
-    else:
-        work, less = works(c, touch, touch.touch_trial[c] - share * touch.hard[c] * way, way)
-        down, bend = work - way.dot(touch.touch_force[c]), less
+    if touch.awake[c]:
+        way, share = touch.touch_way[c], e.scalar[SHARE]
+        if ti.static(linear):
+            bend = way.dot(yielding(c, touch, way))
+            down = -share * bend
+        else:
+            work, less = works(c, touch, touch.touch_trial[c] - share * touch.hard[c] * way, way)
+            down, bend = work - way.dot(touch.touch_force[c]), less
     return vec3(down, bend, 0.0)
 
 
@@ -85,15 +86,16 @@ def _begin_to_choose(bend: ti.f64, e: ti.template()):
 @ti.func
 def _push_on(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.template()):
     """Go along the course with a contact; leaves by what its force changes."""
-    share, way = e.scalar[SHARE], touch.touch_way[c]
-    if ti.static(linear):
-        touch.touch_way[c] = -share * yielding(c, touch, way)
-    else:
-        trial = touch.touch_trial[c] - share * touch.hard[c] * way
-        force = pressed(c, touch, trial)
-        touch.touch_trial[c] = trial
-        touch.touch_way[c] = force - touch.touch_force[c]
-        touch.touch_force[c] = force
+    if touch.awake[c]:
+        share, way = e.scalar[SHARE], touch.touch_way[c]
+        if ti.static(linear):
+            touch.touch_way[c] = -share * yielding(c, touch, way)
+        else:
+            trial = touch.touch_trial[c] - share * touch.hard[c] * way
+            force = pressed(c, touch, trial)
+            touch.touch_trial[c] = trial
+            touch.touch_way[c] = force - touch.touch_force[c]
+            touch.touch_force[c] = force
 
 
 @ti.func
@@ -105,7 +107,8 @@ def _step_on(i: ti.i32, p: ti.template(), touch: ti.template(), e: ti.template()
     if p.mobile[i]:
         for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
             c = touch.of_touch[entry] // 4
-            r += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
+            if touch.awake[c]:
+                r += touch.touch_weight[c][touch.of_touch[entry] % 4] * touch.touch_way[c]
         z = e.inverse[i] @ r
     e.residual[i] = r
     e.scaled[i] = z
@@ -149,7 +152,8 @@ def solve_alone(
                 bend += _bend(i, p, rows, e)
             _begin_to_choose(bend[1], e)
             for c in range(touches):
-                touch.touch_way[c] = carried(c, touch, e.course)
+                if touch.awake[c]:
+                    touch.touch_way[c] = carried(c, touch, e.course)
             for _try in range(1 + TRIES):
                 if e.scalar[SETTLED] == 0.0:
                     touching = vec3(0.0, 0.0, 0.0)
@@ -181,7 +185,8 @@ def iterate(
         for _once in range(1):
             _begin_to_choose(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)[1], e)
         for c in range(touches):
-            touch.touch_way[c] = carried(c, touch, e.course)
+            if touch.awake[c]:
+                touch.touch_way[c] = carried(c, touch, e.course)
         for _try in ti.static(range(1 + TRIES)):
             for c in range(touches):
                 if e.scalar[SETTLED] == 0.0:

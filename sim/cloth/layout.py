@@ -62,6 +62,7 @@ Touches = ti.types.argpack(
     touch_block=Vectors,
     touch_trial=Vectors,
     touch_way=Vectors,
+    awake=Integers,
     first_touch=Integers,
     of_touch=Integers,
 )
@@ -69,8 +70,8 @@ Touches = ti.types.argpack(
 be from the other at least [m], the coefficients of friction while sliding and at rest, and the force along the normal
 that they count of [N]; the stiffness with which contacts are looked for [N/m]; the force along the normal [N] and
 across [N] that is known of; the force now, its stiffness along the normal, across, and along the slip [N/m], and what
-it would be without the laws of contact [N]; how its sides move apart, or its force changes; and those of each point, as
-4 contact + corner.
+it would be without the laws of contact [N]; how its sides move apart, or its force changes; whether it may press while
+conjugate gradients run; and those of each point, as 4 contact + corner.
 
 In small steps `touch_block` is whether a contact takes part, and its limit then [m], `touch_trial` where the first side
 was from the other before [m], and `touch_way` by what the force changes [N]."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.cloth import conjugate_gradients, newton_sums
+from sim.cloth import conjugate_gradients, newton_sums, touch
 from sim.cloth.collision import Collisions
 from sim.cloth.conjugate_gradients import AT_ONCE
 from sim.cloth.layout import ROWS
@@ -20,6 +20,8 @@ from sim.double import vec3
 
 PASSES = 3
 """Times that the forces which friction counts are renewed in a solution, and one more."""
+REACH = 4.0
+"""Times the longest way of a point in one of Newton's steps that sides of contacts may come nearer in the next."""
 SEARCHES = 3
 """For the least energy beyond the end of a way."""
 MOST = 4.0
@@ -96,7 +98,7 @@ class Newton:
             if step == settings.max_newton:
                 break
             newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
-            made, ended = self._solve(first * settings.linear_error**2)
+            made, ended = self._solve(first * settings.linear_error**2, REACH * way)
             iterations += made
             capped |= not ended
             before, down = newton_sums.conjugate(self.mesh.count, before, self._system)
@@ -114,7 +116,7 @@ class Newton:
     def give_way(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
         first = newton_sums.ask(self.mesh.count, self.mesh.points, load, self._system)
-        self._solve(first * error**2, linear=True)
+        self._solve(first * error**2, 0.0, linear=True)
         return self._system.answer
 
     def _assess(self, dt: float) -> float:
@@ -159,11 +161,12 @@ class Newton:
         least = self._weight or self.settings.velocity_error / dt
         return first, left, max(acting, self._mass * least**2)
 
-    def _solve(self, enough: float, *, linear: bool = False) -> tuple[int, bool]:
+    def _solve(self, enough: float, reach: float, *, linear: bool = False) -> tuple[int, bool]:
         """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
-        cap. `linear`: contacts go on as they do."""
+        cap. Contacts that are further than `reach` [m] from pressing do not; `linear`: contacts go on as they do."""
         mesh, most, touches = self.mesh, self.settings.max_iterations, self.collisions.count
         parts = mesh.points, self.collisions.touches, self._pattern.rows, self._system
+        touch.wake(touches, reach, self.collisions.touches)
         if mesh.alone:
             made = conjugate_gradients.solve_alone(linear, mesh.count, touches, most, enough, *parts)
             return made, made <= most

@@ -114,6 +114,14 @@ def yielding(c: ti.i32, touch: ti.template(), way: vec3) -> vec3:
 
 
 @ti.kernel
+def wake(touches: ti.i32, reach: ti.f64, touch: Touches):
+    """Say which contacts press or grip, or would if their sides came nearer by `reach` [m]."""
+    for c in range(touches):
+        along = touch.touch_normal[c].dot(touch.touch_trial[c])
+        touch.awake[c] = int(along > -reach * touch.hard[c] or most_grip(c, touch) > 0.0)
+
+
+@ti.kernel
 def harden(
     touches: ti.i32,
     points: ti.i32,
