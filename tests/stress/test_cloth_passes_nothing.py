@@ -102,8 +102,13 @@ def corner(place, *keys):
     return {"at": [place], "keyframes": [{"at": 0}, *({"at": at, "offset": offset} for at, *offset in keys)]}
 
 
+PUSHED_BY_PINS = pytest.mark.xfail(strict=True, reason="pins push pairs through, which steps say: a run stops there")
+
+
 @pytest.mark.slow
-@OF_ALL
+@pytest.mark.parametrize(
+    "integrator", [pytest.param("implicit_euler", marks=PUSHED_BY_PINS), "symplectic_euler", "xpbd"]
+)
 def test_a_cloth_that_is_folded_three_times(integrator):
     """By its corners, onto itself: eight layers at these in the end."""
     pins = [
