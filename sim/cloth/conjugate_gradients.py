@@ -10,7 +10,7 @@ time.
 import taichi as ti
 
 from sim.cloth.layout import ROWS, Points, Rows, Touches
-from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SETTLED, SHARE, System, add_range, add_ranges
+from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SETTLED, SHARE, System, add_range, add_ranges, turn
 from sim.cloth.touch import carried, pressed, works, yielding
 from sim.double import vec3
 
@@ -115,20 +115,6 @@ def _step_on(i: ti.i32, p: ti.template(), touch: ti.template(), e: ti.template()
     return vec3(r.dot(z), before.dot(z), r.dot(e.course[i]))
 
 
-@ti.func
-def _turn(sums: vec3, e: ti.template()):
-    """Which share of the course the next one keeps."""
-    keep = ti.cast(0.0, ti.f64)
-    if e.scalar[NOW] > 0.0:
-        keep = ti.max((sums[0] - sums[1]) / e.scalar[NOW], 0.0)
-    down = sums[0] + keep * sums[2]
-    if not down > 0.0:
-        keep, down = ti.cast(0.0, ti.f64), sums[0]
-    e.scalar[NOW] = sums[0]
-    e.scalar[DOWN] = down
-    e.scalar[SHARE] = keep
-
-
 @ti.kernel
 def solve_alone(
     linear: ti.template(),
@@ -165,7 +151,7 @@ def solve_alone(
             sums = vec3(0.0, 0.0, 0.0)
             for i in range(points):
                 sums += _step_on(i, p, touch, e)
-            _turn(sums, e)
+            turn(sums, e.scalar[NOW], e)
             for i in range(points):
                 e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return made
@@ -206,7 +192,7 @@ def iterate(
             add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            _turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), e)
+            turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), e.scalar[NOW], e)
         for i in range(points):
             e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return e.scalar[NOW]

@@ -81,6 +81,21 @@ def add_ranges(count: ti.i32, total: ti.template(), term: ti.template()):
 
 
 @ti.func
+def turn(sums: vec3, before: ti.f64, e: ti.template()):
+    """Which share of the way before the next one keeps (Polak and Ribiere); `sums`: r.z, z and the r before, and r and
+    the way before; `before`: r.z before, or 0 to keep nothing."""
+    keep = ti.cast(0.0, ti.f64)
+    if before > 0.0:
+        keep = ti.max((sums[0] - sums[1]) / before, 0.0)
+    down = sums[0] + keep * sums[2]
+    if not down > 0.0:
+        keep, down = ti.cast(0.0, ti.f64), sums[0]
+    e.scalar[NOW] = sums[0]
+    e.scalar[DOWN] = down
+    e.scalar[SHARE] = keep
+
+
+@ti.func
 def _hinge(k: ti.i32, a: ti.template(), place: ti.template()):
     return fold(
         place[a.corners[4 * k]], place[a.corners[4 * k + 1]], place[a.corners[4 * k + 2]], place[a.corners[4 * k + 3]]
@@ -325,17 +340,9 @@ def conjugate(points: ti.i32, before: ti.f64, e: System) -> vec2:
         e.part[i] = vec3(e.force[i].dot(z), e.force_before[i].dot(z), e.force[i].dot(e.line[i]))
     for row in range(ROWS):
         add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
-    sums, keep = vec3(0.0, 0.0, 0.0), ti.cast(0.0, ti.f64)
     ti.loop_config(serialize=True)
     for _once in range(1):
-        sums = add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)
-        if before > 0.0:
-            keep = ti.max((sums[0] - sums[1]) / before, 0.0)
-        if keep * sums[2] + sums[0] <= 0.0:
-            keep = ti.cast(0.0, ti.f64)
-        e.scalar[SHARE] = keep
-        e.scalar[DOWN] = sums[0] + keep * sums[2]
-        e.scalar[NOW] = sums[0]
+        turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), before, e)
     for i in range(points):
         e.line[i] = e.answer[i] + e.scalar[SHARE] * e.line[i]
         e.answer[i] = e.line[i]
