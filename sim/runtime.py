@@ -7,7 +7,7 @@ import io
 import os
 import sys
 
-from sim import compilation, launching
+from sim import compilation, launching, summation
 from sim.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -49,6 +49,7 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
             compilation.watch()
             launching.forget()
             if device == "cpu":
+                summation.keep_order()
                 launching.install()
             _running = wanted
     return device
