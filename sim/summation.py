@@ -1,7 +1,8 @@
 """In which order kernels add.
 
-Taichi's fast_math lets LLVM add in any order, and it takes sums over a few neighbours four at a time then, with gathers:
-kernels that follow springs, contacts or trees took three to seven times as long. Those named here add as written.
+Taichi's fast_math lets LLVM add in any order, and it takes sums over a few neighbours four at a time then, by
+gathers: kernels that follow springs, contacts or trees took three to seven times as long. Those named here add as
+written.
 """
 
 from __future__ import annotations
