@@ -56,6 +56,30 @@ def test_solids_that_leave_no_room_stop_the_run(tmp_path):
     assert (tmp_path / "out" / failure["last_good_state"]).exists()
 
 
+def test_pins_that_lead_corners_through_one_another_stop_the_run(tmp_path):
+    """Two corners of a folded cloth change their order on straight ways, which cross."""
+    from tests.stress.scenes import run_segment
+
+    high, low = 0.2, 0.1
+    pins = [
+        {
+            "at": [[side, 0, 0.2]],
+            "keyframes": [
+                {"at": 0},
+                {"at": 0.1, "offset": [-side, before, 0]},
+                {"at": 0.2, "offset": [-side, after, 0]},
+            ],
+        }
+        for side, before, after in ((0.2, high, low), (-0.2, low, high))
+    ]
+    made = {"fps": 100, "cloth": {"sheets": {"sheet": SHEET | {"position": [0, 0, 0], "pins": pins}}}}
+    done = run_segment(made, tmp_path / "out", "0:20")
+    assert done.returncode == 3, done.stderr
+    failure = json.loads((tmp_path / "out" / "failure.json").read_text())
+    assert "through cloth" in failure["detected"]
+    assert (tmp_path / "out" / failure["last_good_state"]).exists()
+
+
 def test_frames_hold_meshes_with_velocities(simulate):
     import trimesh
 
