@@ -29,9 +29,11 @@ def _bend(i: ti.i32, p: ti.template(), rows: ti.template(), e: ti.template()) ->
     """How much force on a point, but for contacts, changes along the course; returns what that does to the energy."""
     q = vec3(0.0, 0.0, 0.0)
     if p.mobile[i]:
-        q = rows.own_block[i] @ e.course[i]
+        # Springs and hinges feel differences: what moves as a whole does not push itself, whatever their stiffness.
+        own = e.course[i]
+        q = rows.alone_block[i] @ own
         for k in range(rows.first_block[i], rows.first_block[i + 1]):
-            q += rows.off_block[k] @ e.course[rows.column[k]]
+            q += rows.off_block[k] @ (e.course[rows.column[k]] - own)
     e.bent[i] = q
     return vec3(0.0, q.dot(e.course[i]), 0.0)
 

@@ -45,10 +45,12 @@ Rows = ti.types.argpack(
     slot=Integers,
     off_block=Matrices,
     own_block=Matrices,
+    alone_block=Matrices,
 )
 """A matrix of blocks [N/m]: those of row i, from first_block[i] to first_block[i + 1], and their columns; that of the
-diagonal. Of pairs of points, what ties them, from first_tie[k] to first_tie[k + 1]: -1 - spring, or 16 hinge + 4 corner
-of the first + corner of the other; and the places of their two blocks."""
+diagonal, and what of it is left when all points move alike: inertia and air. Of pairs of points, what ties them, from
+first_tie[k] to first_tie[k + 1]: -1 - spring, or 16 hinge + 4 corner of the first + corner of the other; and the places
+of their two blocks."""
 
 Touches = ti.types.argpack(
     touch_corner=Integers,

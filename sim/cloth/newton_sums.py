@@ -244,7 +244,11 @@ def stiffen(
         if p.mobile[i]:
             inertia = p.mass[i] / (dt * dt)
             r = inertia * (t.aim[i] - t.place[i])
-            own = inertia * mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+            alone = inertia * mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+            if ti.static(airy):
+                r -= drag(i, (t.place[i] - t.start[i]) / dt - wind, d)
+                alone += drag_block(i, d) / dt
+            own = alone
             for entry in range(s.first_spring[i], s.first_spring[i + 1]):
                 k, end = s.of_spring[entry] // 2, s.of_spring[entry] % 2
                 n, b = e.spring_normal[k], e.spring_block[k]
@@ -254,10 +258,8 @@ def stiffen(
                 k, lean = a.of_hinge[entry] // 4, e.slope[a.of_hinge[entry]]
                 r -= e.moment[k] * lean
                 own += e.hinge_stiff[k] * lean.outer_product(lean)
-            if ti.static(airy):
-                r -= drag(i, (t.place[i] - t.start[i]) / dt - wind, d)
-                own += drag_block(i, d) / dt
             rows.own_block[i] = own
+            rows.alone_block[i] = alone
         force[i] = r
 
 

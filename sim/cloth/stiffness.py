@@ -46,5 +46,6 @@ def find_pattern(springs: np.ndarray, hinges: np.ndarray, count: int) -> Pattern
         slot=integers(slot.reshape(2, -1).T.ravel()),
         off_block=matrices(len(row)),
         own_block=matrices(count),
+        alone_block=matrices(count),
     )
     return Pattern(len(pair), rows)
