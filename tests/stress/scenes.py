@@ -87,6 +87,13 @@ def contents(folder: Path, pattern: str) -> dict[str, bytes]:
     return found
 
 
+def failure(out: Path) -> dict[str, Any]:
+    """What a run that stopped tells; the last good state that it names must be there."""
+    report = json.loads((out / "failure.json").read_text())
+    assert (out / report["last_good_state"]).exists()
+    return report
+
+
 def assert_nothing_broken(out: Path) -> None:
     """No value that is not finite in any frame or state, no half file."""
     for path in out.glob("fluid_*.ply"):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
-from tests.stress.scenes import contents
+from tests.stress.scenes import contents, failure, run_segment
 
 BALL = {"shape": {"type": "sphere", "radius": 0.1}, "position": [0, 0.1, 0]}
 SHEET = {"shape": {"type": "sheet", "size": [0.4, 0.4]}, "spacing": 0.05, "position": [0, 0.215, 0], "thickness": 0.01}
@@ -40,8 +38,6 @@ def test_a_pin_that_is_let_go_falls(simulate):
 
 
 def test_solids_that_leave_no_room_stop_the_run(tmp_path):
-    from tests.stress.scenes import run_segment
-
     plate = {"shape": {"type": "box", "size": [0.6, 0.1, 0.6]}}
     falling = plate | {"motion": "prescribed", "position": [0, 0.08, 0], "velocity": [0, -1, 0]}
     made = {
@@ -51,15 +47,11 @@ def test_solids_that_leave_no_room_stop_the_run(tmp_path):
     }
     done = run_segment(made, tmp_path / "out", "0:6")
     assert done.returncode == 3, done.stderr
-    failure = json.loads((tmp_path / "out" / "failure.json").read_text())
-    assert "through cloth" in failure["detected"]
-    assert (tmp_path / "out" / failure["last_good_state"]).exists()
+    assert "through cloth" in failure(tmp_path / "out")["detected"]
 
 
 def test_pins_that_lead_corners_through_one_another_stop_the_run(tmp_path):
     """Two corners of a folded cloth change their order on straight ways, which cross."""
-    from tests.stress.scenes import run_segment
-
     high, low = 0.2, 0.1
     pins = [
         {
@@ -75,9 +67,7 @@ def test_pins_that_lead_corners_through_one_another_stop_the_run(tmp_path):
     made = {"fps": 100, "cloth": {"sheets": {"sheet": SHEET | {"position": [0, 0, 0], "pins": pins}}}}
     done = run_segment(made, tmp_path / "out", "0:20")
     assert done.returncode == 3, done.stderr
-    failure = json.loads((tmp_path / "out" / "failure.json").read_text())
-    assert "through cloth" in failure["detected"]
-    assert (tmp_path / "out" / failure["last_good_state"]).exists()
+    assert "through cloth" in failure(tmp_path / "out")["detected"]
 
 
 def test_frames_hold_meshes_with_velocities(simulate):

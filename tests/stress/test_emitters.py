@@ -15,7 +15,7 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.particles import read_frame, read_table
 from tests.solvers import ITERATIVE, SOLVERS, STRESSED
-from tests.stress.scenes import assert_nothing_broken, contents, finish, make_faults, pool, run_segment
+from tests.stress.scenes import assert_nothing_broken, contents, failure, finish, make_faults, pool, run_segment
 
 DOWN = [{"axis": [1, 0, 0], "angle": 180}]
 SPEED, D = 1.0, 0.04
@@ -148,7 +148,7 @@ def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
     status = segment.simulate(spec, tmp_path, out, first=0, last=6, arch="cpu", threads=1, quiet=True)
     assert status in (0, 3)
     if status == 3:
-        assert (out / json.loads((out / "failure.json").read_text())["last_good_state"]).exists()
+        failure(out)
     assert_nothing_broken(out)
     assert counts(out)["particles_blocked"] > 0
     frames = sorted(out.glob("fluid_*.ply"))

@@ -9,7 +9,7 @@ import pytest
 
 from sim.settings import Refused
 from tests.particles import positions, read_frame, read_table, velocities
-from tests.stress.scenes import assert_nothing_broken, make_faults, pool, run_segment
+from tests.stress.scenes import assert_nothing_broken, failure, make_faults, pool, run_segment
 
 G = 9.81
 CONTRACT = {"detected", "step", "time", "retries", "particles", "last_good_frame", "last_good_state", "change"}
@@ -19,10 +19,6 @@ TOO_FAST = pool(fluid__wcsph={"speed_of_sound": 0.5})
 """Falls faster than its sound after 51 ms: no step is short enough."""
 IN_FRAME_2 = 0.1
 """Kinetic energy [J] of 8 kg that have fallen for 16 ms."""
-
-
-def failure(out):
-    return json.loads((out / "failure.json").read_text())
 
 
 def summary(out):
