@@ -1,4 +1,5 @@
 import sys
+from functools import cache
 from pathlib import Path
 
 from snakemake.utils import min_version
@@ -20,6 +21,9 @@ wildcard_constraints:
     quality="draft|standard|final",
     segment=r"[0-9][0-9][0-9]+",
     block=r"[0-9][0-9][0-9]+",
+    study=r".+",
+    trial=r"[0-9a-f]{8}",
+    repeat=r"[0-9]+",
 
 
 rule scenes:
@@ -36,3 +40,4 @@ include: "workflow/rules/simulate.smk"
 include: "workflow/rules/reconstruct.smk"
 include: "workflow/rules/render.smk"
 include: "workflow/rules/film.smk"
+include: "workflow/rules/study.smk"

@@ -5,25 +5,27 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from sim.settings import Refused
 from sim.similar import similar
 from workflow.document import SceneError
+from workflow.lookup import JobLookup, stop
 from workflow.plan import FILMS, Job, Plan
-from workflow.results import Unrecorded, refuse_unrecorded, repairs
 from workflow.scene import QUALITIES, load
 
 SCENES = "scenes"
+STUDIES = "studies"
+"""The folder beside the scenes that holds files of studies, which are none."""
 CONFIG_KEYS = ("quality",)
 
 
 def names(folder: Path = Path(SCENES)) -> list[str]:
     """Names of all scenes, sorted."""
-    return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.yaml"))
+    paths = (path.relative_to(folder).with_suffix("") for path in folder.rglob("*.yaml"))
+    return sorted(path.as_posix() for path in paths if path.parts[0] != STUDIES)
 
 
 def find(name: str, folder: Path = Path(SCENES)) -> Path:
@@ -46,13 +48,13 @@ def find(name: str, folder: Path = Path(SCENES)) -> Path:
     return path
 
 
-class Catalog:
-    """Plans of the scenes, each made once; every failure ends the process with its message."""
+class Catalog(JobLookup):
+    """Plans of the scenes, each made once."""
 
     def __init__(self, root: Path, config: Mapping[str, Any]):
+        super().__init__()
         self._root = root
         self._plans: dict[tuple[str, str | None], Plan] = {}
-        self._checked: set[str] = set()
         for key in config:
             if key not in CONFIG_KEYS:
                 stop(f"--config {key}: unknown setting\n  fix: known here: {', '.join(CONFIG_KEYS)}")
@@ -77,51 +79,21 @@ class Catalog:
             self._plans[key] = self._plans[same]
         return self._plans[key]
 
-    def job(self, stage: str, wildcards: Any) -> Job:
-        """The job that a rule's wildcards mean: scene, quality, and the number of the part."""
+    def find(self, stage: str, wildcards: Any) -> Job:
+        """Wildcards: scene, quality, and the number of the part."""
         plan = self.plan(wildcards.scene, wildcards.get("quality"))
         try:
-            job = plan.job(stage, int(wildcards.get("segment", wildcards.get("block", 0))))
+            return plan.job(stage, int(wildcards.get("segment", wildcards.get("block", 0))))
         except IndexError as error:
             stop(f"{plan.scene.name}: {error}")
-        if job.folder not in self._checked:
-            try:
-                refuse_unrecorded([job])
-            except Unrecorded as error:
-                stop(str(error))
-            self._checked.add(job.folder)
-        return job
 
-    def of(self, stage: str) -> Callable[..., Callable[[Any], Any]]:
-        """`of("render")("spec")` is a function of the wildcards, as rules take it."""
-
-        def field(name: str) -> Callable[[Any], str]:
-            return lambda wildcards: str(getattr(self.job(stage, wildcards), name))
-
-        return field
-
-    def repairs(self, stage: str) -> Callable[[Any], str]:
-        """A function of the wildcards: a value that changes while the result is damaged."""
-
-        def count(wildcards: Any) -> str:
-            job = self.job(stage, wildcards)
-            plan = self.plan(wildcards.scene, wildcards.get("quality"))
-            return repairs(job, complete=stage != "film" or _copied(plan, job))
-
-        return count
-
-
-def _copied(plan: Plan, film: Job) -> bool:
-    """Whether the copy of the film that the scene asks for is there."""
-    copy = plan.scene.film.copy_path(Path.cwd())
-    original = Path(film.folder, f"{Path(film.folder).name}.mp4")
-    return copy is None or (original.exists() and copy.exists() and copy.stat().st_size == original.stat().st_size)
-
-
-def stop(message: str) -> NoReturn:
-    """End the process with a message and without a traceback."""
-    print(f"tidemill: {message}", file=sys.stderr, flush=True)
-    raise SystemExit(1)
+    def complete(self, job: Job, wildcards: Any) -> bool:
+        """Whether the copy of the film that the scene asks for is there."""
+        if job.stage != "film":
+            return True
+        copy = self.plan(wildcards.scene, wildcards.get("quality")).scene.film.copy_path(Path.cwd())
+        original = Path(job.folder, f"{Path(job.folder).name}.mp4")
+        return copy is None or (original.exists() and copy.exists() and copy.stat().st_size == original.stat().st_size)
 
 
 def main() -> None:

@@ -32,6 +32,7 @@ ENTRY = {
     "reconstruct": "workflow.reconstruct",
     "render": "render",
     "film": "workflow.film",
+    "trial": "workflow.study.trial",
 }
 """The module that each stage runs with `python -m`."""
 
@@ -94,18 +95,26 @@ class Plan:
     def jobs(self, stage: str) -> list[Job]:
         return [self.job(stage, index) for index in range(self.parts(stage))]
 
+    def trial(self, folder: str) -> Job:
+        """All frames simulated in one job, for what its tables tell."""
+        return self._simulation("trial", folder, Frames(0, self.scene.last_frame))
+
     def _simulate(self, index: int) -> Job:
-        frames = self.timeline.segment(index)
+        folder = f"{self.results}/simulation/{index:03d}"
+        upstream = (self.job("simulate", index - 1).plan,) if index else ()
+        return self._simulation("simulate", folder, self.timeline.segment(index), upstream)
+
+    def _simulation(self, stage: str, folder: str, frames: Frames, upstream: tuple[str, ...] = ()) -> Job:
         spec = self.scene.simulation.before(self.timeline.time(frames.last))
         return Job(
-            stage="simulate",
-            folder=f"{self.results}/simulation/{index:03d}",
+            stage=stage,
+            folder=folder,
             frames=frames,
             spec=spec.canonical(),
-            code=self._code("simulate", spec.materials()),
-            versions=_versions("taichi", "numpy", *(("trimesh", "pymeshfix") if _files(spec) else ())),
+            code=self._code(stage, spec.materials()),
+            versions=versions("taichi", "numpy", *(("trimesh", "pymeshfix") if _files(spec) else ())),
             assets=_assets(self.scene.assets, _files(spec)),
-            upstream=(self.job("simulate", index - 1).plan,) if index else (),
+            upstream=upstream,
         )
 
     def _reconstruct(self, index: int) -> Job:
@@ -121,7 +130,7 @@ class Plan:
             frames=self.timeline.segment(index),
             spec=spec.canonical(),
             code=self._code("reconstruct"),
-            versions=_versions("pysplashsurf"),
+            versions=versions("pysplashsurf"),
             assets=_assets({}, set()),
             upstream=(self.job("simulate", index).plan,),
         )
@@ -155,7 +164,7 @@ class Plan:
             frames=Frames(0, scene.last_frame),
             spec=spec.canonical(),
             code=self._code("film"),
-            versions=_versions("imageio-ffmpeg"),
+            versions=versions("imageio-ffmpeg"),
             assets=_assets({}, set()),
             upstream=tuple(job.plan for job in self.jobs("render")),
         )
@@ -187,7 +196,8 @@ def _assets(digests: Mapping[str, str], wanted: set[str]) -> str:
 
 
 @cache
-def _versions(*packages: str) -> str:
+def versions(*packages: str) -> str:
+    """Those that are installed, as a value of a rule's params."""
     return f"versions {', '.join(f'{package} {_version(package)}' for package in packages)}"
 
 
@@ -201,7 +211,7 @@ def _version(package: str) -> str:
 def _blender(path: str | None) -> str:
     """The version of bpy, or what tells one installed Blender from another without starting it."""
     if path is None:
-        return _versions("bpy")
+        return versions("bpy")
     try:
         state = Path(path).resolve().stat()
         return f"versions blender {path}, {state.st_size} bytes, changed {state.st_mtime_ns}"

@@ -44,7 +44,10 @@ f 1 3 4
 f 1 4 2
 f 2 4 3
 """
-STAGES = {"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film"}
+STAGES = {
+    **{"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film"},
+    **{"Trial": "trial", "Study": "study"},
+}
 
 
 @dataclass
@@ -116,7 +119,7 @@ class Project:
             timeout=300,
         )
         text = done.stdout + done.stderr
-        found = re.findall(r"Job \d+: (Simulate|Reconstruct|Render|Film)([^\n]*)\nReason: ([^\n]*)", text)
+        found = re.findall(rf"Job \d+: ({'|'.join(STAGES)})([^\n]*)\nReason: ([^\n]*)", text)
         jobs = [(STAGES[verb], rest.partition("frames ")[2].strip(), reason) for verb, rest, reason in found]
         return Ran(done.returncode, text, jobs)
 

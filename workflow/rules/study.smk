@@ -1,0 +1,80 @@
+def studies():
+    """Imported only for studies: films need nothing of it."""
+    from workflow.study.catalog import Studies
+
+    return Studies(Path(workflow.basedir))
+
+
+studies = cache(studies)
+
+
+def study(stage, name):
+    """A function of the wildcards: a field of the job that they mean."""
+    return lambda wildcards: studies().of(stage)(name)(wildcards)
+
+
+def study_repairs(stage):
+    return lambda wildcards: studies().repairs(stage)(wildcards)
+
+
+def study_plan(wildcards):
+    return studies().plan(wildcards.study)
+
+
+def trials_of_study(wildcards):
+    studies().job("study", wildcards)
+    return [job.folder for job in study_plan(wildcards).trials()]
+
+
+rule trial:
+    output:
+        folder=directory("results/studies/{study}/{trial}/{repeat}"),
+    log:
+        "results/studies/{study}/logs/{trial}_{repeat}.log",
+    threads: lambda wildcards: study_plan(wildcards).study.threads
+    resources:
+        mem_mb=lambda wildcards: estimate("simulate", study_plan(wildcards).scene(wildcards.trial)),
+    params:
+        spec=study("trial", "spec"),
+        frames=study("trial", "frames"),
+        assets=study("trial", "assets"),
+        code=study("trial", "code"),
+        versions=study("trial", "versions"),
+        plan=study("trial", "plan"),
+        repairs=study_repairs("trial"),
+        folder=lambda wildcards: str(study_plan(wildcards).scene(wildcards.trial).folder),
+        limit=lambda wildcards: f"limit {study_plan(wildcards).study.limit:g}",
+    message:
+        "Trial {wildcards.trial} of {wildcards.study}, repeat {wildcards.repeat}"
+    shell:
+        "exec {sys.executable:q} -m workflow.job"
+        " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
+        " --failed results/studies/{wildcards.study:q}/failed/{wildcards.trial}_{wildcards.repeat}"
+        " -- {sys.executable:q} -m workflow.study.trial --spec {params.spec:q} --folder {params.folder:q}"
+        " --frames {params.frames} --out @OUT --threads {threads} --{params.limit}"
+
+
+rule study:
+    input:
+        trials=trials_of_study,
+    output:
+        folder=directory("studies/{study}"),
+    log:
+        "results/studies/{study}/logs/study.log",
+    threads: 1
+    params:
+        spec=study("study", "spec"),
+        assets=study("study", "assets"),
+        code=study("study", "code"),
+        versions=study("study", "versions"),
+        plan=study("study", "plan"),
+        repairs=study_repairs("study"),
+        folder=lambda wildcards: str(study_plan(wildcards).loaded.path.parent),
+    message:
+        "Study studies/{wildcards.study}"
+    shell:
+        "exec {sys.executable:q} -m workflow.job"
+        " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
+        " --failed results/studies/{wildcards.study:q}/failed/study"
+        " -- {sys.executable:q} -m workflow.study --spec {params.spec:q} --folder {params.folder:q}"
+        " --trials results/studies/{wildcards.study:q} --out @OUT"

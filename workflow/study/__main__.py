@@ -1,0 +1,145 @@
+"""Trials become what people look at: a table, a picture of error over cost, and a summary.
+
+It writes trials.csv (a row a simulation), points.csv (a row a combination of settings, with the
+medians of its repeats), work_precision.png and .svg, and summary.json. `snakemake studies/NAME`
+calls it.
+
+exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from sim.settings import Refused
+from workflow.stage import exit_code, write_json
+from workflow.study import measure
+from workflow.study.points import Outcome, Point, front
+from workflow.study.spec import Study
+
+FIGURES = ("steps", "particles", "stepping_s", "simulated_s")
+
+
+def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> list[Point]:
+    """Write the folder of a study. `trials`: the folder of its trials; `folder`: that of its file. Raises Refused."""
+    study = Study.model_validate(spec["study"])
+    if spec["truth"]:
+        found = trials / spec["truth"] / "0"
+        if _trial(found)["status"] != "done":
+            raise Refused(
+                "the trial that all others are compared with failed",
+                location=("reference", "set"),
+                remedy=f"choose settings that work: {_trial(found).get('message', '')}",
+            )
+        true = measure.truth_of_trial(study.quantity, study.scale, found)
+    else:
+        true = measure.truth(study.reference, study.quantity, study.scale, folder)
+    points = [
+        Point(name, chosen, tuple(_outcome(study, true, trials / name / str(k)) for k in range(study.repeats)))
+        for name, chosen in spec["trials"]
+    ]
+    best = front(points)
+    paths = study.paths()
+    _write(out / "trials.csv", _rows_of_trials(points, paths))
+    _write(out / "points.csv", _rows_of_points(points, best, paths))
+    write_json(out / "summary.json", _summary(spec["name"], study, points, best))
+    from workflow.study.plot import draw
+
+    draw(study, points, spec["name"], out)
+    return points
+
+
+def _trial(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "trial.json").read_text(encoding="utf-8"))
+
+
+def _outcome(study: Study, true: measure.Truth, folder: Path) -> Outcome:
+    data = _trial(folder)
+    figures = {key: data.get(key) for key in (*FIGURES, "device")}
+    if data["status"] != "done":
+        return Outcome(data["status"], data.get("cost"), figures=figures, message=data.get("message", ""))
+    value, error = measure.error(study.quantity, true, folder)
+    return Outcome("done", data["cost"], value, error, figures)
+
+
+def _rows_of_trials(points: Iterable[Point], paths: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {"trial": point.name}
+        | {path: point.chosen.get(path) for path in paths}
+        | {"repeat": k, "status": outcome.status, "value": outcome.value, "error": outcome.error, "cost": outcome.cost}
+        | {key: (outcome.figures or {}).get(key) for key in FIGURES}
+        for point in points
+        for k, outcome in enumerate(point.outcomes)
+    ]
+
+
+def _rows_of_points(points: Iterable[Point], best: Sequence[Point], paths: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {"trial": point.name}
+        | {path: point.chosen.get(path) for path in paths}
+        | {"status": point.status, "error": point.error, "cost": point.cost}
+        | {"cost_least": min(point.costs, default=None), "cost_most": max(point.costs, default=None)}
+        | {"on_front": int(point in best)}
+        for point in points
+    ]
+
+
+def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "" if value is None else value
+
+
+def _summary(name: str, study: Study, points: Sequence[Point], best: Sequence[Point]) -> dict[str, Any]:
+    statuses = [point.status for point in points]
+    devices = {str((outcome.figures or {}).get("device")) for point in points for outcome in point.outcomes}
+    return {
+        "name": name,
+        "description": study.description,
+        "trials": len(points),
+        "repeats": study.repeats,
+        "status": {status: statuses.count(status) for status in sorted(set(statuses))},
+        "devices": sorted(devices),
+        "front": [{**point.chosen, "error": point.error, "cost": point.cost} for point in best],
+        "failures": [
+            {**point.chosen, "status": point.status, "message": point.outcomes[0].message}
+            for point in points
+            if point.status != "done"
+        ],
+    }
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m workflow.study", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--spec", required=True, metavar="JSON", help="the study, and the settings of its trials")
+    parser.add_argument("--trials", required=True, type=Path, metavar="DIR", help="folder with TRIAL/REPEAT/trial.json")
+    parser.add_argument("--folder", required=True, type=Path, metavar="DIR", help="where the reference's path starts")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for table and plots")
+    given = parser.parse_args(argv)
+
+    def work() -> None:
+        given.out.mkdir(parents=True, exist_ok=True)
+        points = report(json.loads(given.spec), given.trials, given.folder, given.out)
+        for point in front(points):
+            settings = ", ".join(f"{path} {value}" for path, value in point.chosen.items())
+            print(f"{100 * point.error:10.4g} %  {point.cost:10.4g} s/s  {settings}")
+
+    return exit_code(work, "study")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,96 @@
+"""One study file: load it, and load its scene at every trial's settings."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from sim.settings import Refused, canonical_json
+from workflow.document import Document, SceneError, read
+from workflow.problems import explain
+from workflow.scene import Scene, load
+from workflow.study import formula, measure
+from workflow.study.spec import ByTrial, Overrides, Study
+
+MOST_TRIALS = 2000
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One combination of settings; `chosen` are those of the grid."""
+
+    chosen: Overrides
+    overrides: tuple[str, ...]
+    scene: Scene
+
+    @property
+    def name(self) -> str:
+        """Eight hexadecimal digits that stay while other values join the grids."""
+        return hashlib.sha256(canonical_json(list(self.overrides)).encode()).hexdigest()[:8]
+
+
+@dataclass(frozen=True)
+class LoadedStudy:
+    """A valid study with its trials; the last one is the reference where a trial is."""
+
+    name: str
+    path: Path
+    study: Study
+    trials: tuple[Trial, ...]
+    truth: Trial | None
+
+
+def load_study(path: Path, name: str) -> LoadedStudy:
+    """Load a study; raises SceneError, whose text names file, line, field and remedy of every problem."""
+    document = read(path)
+    try:
+        study = Study.model_validate(document.data)
+    except ValidationError as error:
+        raise SceneError(explain(error, document, Study)) from None
+    try:
+        _check(study, path.parent)
+        trials = {trial.name: trial for trial in _trials(study, path.parent, document)}
+    except Refused as refused:
+        raise SceneError([document.problem(refused.location, refused.message, refused.remedy)]) from None
+    truth = None
+    if isinstance(study.reference, ByTrial):
+        truth = _trial(study, path.parent, study.reference.set, document, ("reference", "set"))
+    return LoadedStudy(name, path, study, tuple(trials.values()), truth)
+
+
+def _check(study: Study, folder: Path) -> None:
+    """Refuse what would be found out only after hours."""
+    if not isinstance(study.reference, ByTrial):
+        measure.truth(study.reference, study.quantity, study.scale, folder)
+    elif study.scale is not None:
+        formula.evaluate(study.scale)
+    count = sum(math.prod(len(values) for values in grid.values()) for grid in study.grids)
+    if count > MOST_TRIALS:
+        raise Refused(
+            f"{count:,} trials", location=("grids",), remedy=f"leave values out until there are {MOST_TRIALS:,} at most"
+        )
+
+
+def _trials(study: Study, folder: Path, document: Document) -> Iterator[Trial]:
+    for index, grid in enumerate(study.grids):
+        for values in itertools.product(*grid.values()):
+            chosen = dict(zip(grid, values, strict=True))
+            yield _trial(study, folder, chosen, document, ("grids", index))
+
+
+def _trial(study: Study, folder: Path, chosen: Mapping[str, Any], document: Document, location: tuple) -> Trial:
+    overrides = tuple(f"{path}={json.dumps(value)}" for path, value in {**study.set, **chosen}.items())
+    try:
+        scene = load(folder / study.scene, quality=study.quality, overrides=overrides)
+    except SceneError as error:
+        mark = document.mark(location)
+        raise SceneError([f"{mark.source}:{mark.line}: {problem}" for problem in error.problems]) from None
+    return Trial(dict(chosen), overrides, scene)
