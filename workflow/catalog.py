@@ -1,6 +1,6 @@
 """The scenes of the project by name: `scenes/tiny/splash.yaml` is `tiny/splash`.
 
-`python -m workflow.catalog` lists them and says how to make their films.
+`python -m workflow.catalog` lists them, and the studies, and says what to call.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 from sim.settings import Refused
 from sim.similar import similar
-from workflow.document import SceneError
+from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
 from workflow.plan import FILMS, Job, Plan
 from workflow.scene import QUALITIES, load
@@ -109,6 +109,19 @@ def main() -> None:
         except SceneError as error:
             about = f"refused: {error.problems[0].splitlines()[0]}"
         print(f"  {FILMS}/{name:<{width}}  {' '.join(str(about).split())}")
+    studies = sorted(Path(SCENES, STUDIES).glob("*.yaml"))
+    if studies:
+        print("\nMeasure what accuracy costs with\n\n  snakemake --cores all studies/NAME\n\nStudies:")
+        width = max(len(path.stem) for path in studies)
+        for path in studies:
+            print(f"  {STUDIES}/{path.stem:<{width}}  {_about(path)}")
+
+
+def _about(study: Path) -> str:
+    try:
+        return " ".join(str(read(study).data.get("description", "")).split())
+    except SceneError as error:
+        return f"refused: {error.problems[0].splitlines()[0]}"
 
 
 if __name__ == "__main__":

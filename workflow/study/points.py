@@ -9,7 +9,6 @@ from typing import Any
 
 from workflow.study.spec import Overrides
 
-
 BETTER = 0.99
 """Share of an error below which another counts as less: what costs more has to be worth it."""
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import jsonschema
 import pytest
 
-from workflow.document import SceneError
+from workflow.document import SceneError, read
 from workflow.plan import ENTRY
+from workflow.study import schema
 from workflow.study.catalog import names
 from workflow.study.load import load_study
 from workflow.study.plan import StudyPlan
@@ -56,6 +59,14 @@ def loaded(tmp_path, monkeypatch):
 def test_the_studies_of_the_project_load(name, monkeypatch):
     monkeypatch.chdir(ROOT)
     assert load_study(Path("scenes", "studies", f"{name}.yaml"), name).trials
+
+
+def test_the_schema_is_up_to_date_and_studies_name_it_and_fit_it():
+    assert (ROOT / schema.SCHEMA).read_text() == schema.text(), "run python -m workflow.study.schema"
+    validator = jsonschema.Draft202012Validator(json.loads(schema.text()))
+    for path in (ROOT / schema.SCHEMA).parent.glob("*.yaml"):
+        assert path.read_text().startswith("# yaml-language-server: $schema=schema.json\n"), path
+        validator.validate(read(path).data)
 
 
 def test_every_combination_within_a_grid_is_a_trial(loaded):
