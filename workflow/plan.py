@@ -32,7 +32,6 @@ ENTRY = {
     "reconstruct": "workflow.reconstruct",
     "render": "render",
     "film": "workflow.film",
-    "trial": "workflow.study.trial",
 }
 """The module that each stage runs with `python -m`."""
 
@@ -95,23 +94,22 @@ class Plan:
     def jobs(self, stage: str) -> list[Job]:
         return [self.job(stage, index) for index in range(self.parts(stage))]
 
-    def trial(self, folder: str) -> Job:
-        """All frames simulated in one job, for what its tables tell."""
-        return self._simulation("trial", folder, Frames(0, self.scene.last_frame))
+    def whole_simulation(self) -> Job:
+        """All frames as one job, which is none of the film's."""
+        return self._simulation(f"{self.results}/whole", Frames(0, self.scene.last_frame))
 
     def _simulate(self, index: int) -> Job:
-        folder = f"{self.results}/simulation/{index:03d}"
         upstream = (self.job("simulate", index - 1).plan,) if index else ()
-        return self._simulation("simulate", folder, self.timeline.segment(index), upstream)
+        return self._simulation(f"{self.results}/simulation/{index:03d}", self.timeline.segment(index), upstream)
 
-    def _simulation(self, stage: str, folder: str, frames: Frames, upstream: tuple[str, ...] = ()) -> Job:
+    def _simulation(self, folder: str, frames: Frames, upstream: tuple[str, ...] = ()) -> Job:
         spec = self.scene.simulation.before(self.timeline.time(frames.last))
         return Job(
-            stage=stage,
+            stage="simulate",
             folder=folder,
             frames=frames,
             spec=spec.canonical(),
-            code=self._code(stage, spec.materials()),
+            code=self._code("simulate", spec.materials()),
             versions=versions("taichi", "numpy", *(("trimesh", "pymeshfix") if _files(spec) else ())),
             assets=_assets(self.scene.assets, _files(spec)),
             upstream=upstream,

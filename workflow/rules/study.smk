@@ -27,13 +27,17 @@ def trials_of_study(wildcards):
 
 
 rule trial:
+    input:
+        films=lambda wildcards: list(study_plan(wildcards).inputs(wildcards.trial).values()),
     output:
         folder=directory("results/studies/{study}/{trial}/{repeat}"),
     log:
         "results/studies/{study}/logs/{trial}_{repeat}.log",
     threads: lambda wildcards: study_plan(wildcards).study.threads
     resources:
-        mem_mb=lambda wildcards: estimate("simulate", study_plan(wildcards).scene(wildcards.trial)),
+        mem_mb=lambda wildcards: estimate(
+            study_plan(wildcards).study.stage, study_plan(wildcards).scene(wildcards.trial)
+        ),
     params:
         spec=study("trial", "spec"),
         frames=study("trial", "frames"),
@@ -42,16 +46,17 @@ rule trial:
         versions=study("trial", "versions"),
         plan=study("trial", "plan"),
         repairs=study_repairs("trial"),
-        folder=lambda wildcards: str(study_plan(wildcards).scene(wildcards.trial).folder),
+        stage=lambda wildcards: study_plan(wildcards).study.stage,
         limit=lambda wildcards: f"limit {study_plan(wildcards).study.limit:g}",
+        command=lambda wildcards: study_plan(wildcards).command(wildcards.trial),
     message:
         "Trial {wildcards.trial} of {wildcards.study}, repeat {wildcards.repeat}"
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
         " --failed results/studies/{wildcards.study:q}/failed/{wildcards.trial}_{wildcards.repeat}"
-        " -- {sys.executable:q} -m workflow.study.trial --spec {params.spec:q} --folder {params.folder:q}"
-        " --frames {params.frames} --out @OUT --threads {threads} --{params.limit}"
+        " -- {sys.executable:q} -m workflow.study.trial --stage {params.stage} --{params.limit} --out @OUT"
+        " -- {sys.executable:q} -m {params.command:q}"
 
 
 rule study:

@@ -19,10 +19,11 @@ from typing import Any
 from sim.settings import Refused
 from workflow.stage import exit_code, write_json
 from workflow.study import measure
+from workflow.study.plot import draw
 from workflow.study.points import Outcome, Point, front
 from workflow.study.spec import Study
 
-FIGURES = ("steps", "particles", "stepping_s", "simulated_s")
+FIGURES = ("steps", "particles", "triangles", "stepping_s", "simulated_s")
 
 
 def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> list[Point]:
@@ -48,8 +49,6 @@ def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> li
     _write(out / "trials.csv", _rows_of_trials(points, paths))
     _write(out / "points.csv", _rows_of_points(points, best, paths))
     write_json(out / "summary.json", _summary(spec["name"], study, points, best))
-    from workflow.study.plot import draw
-
     draw(study, points, spec["name"], out)
     return points
 
@@ -133,10 +132,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     def work() -> None:
         given.out.mkdir(parents=True, exist_ok=True)
-        points = report(json.loads(given.spec), given.trials, given.folder, given.out)
+        spec = json.loads(given.spec)
+        points = report(spec, given.trials, given.folder, given.out)
+        unit = "s/s" if spec["study"].get("stage", "simulate") == "simulate" else "s/frame"
         for point in front(points):
             settings = ", ".join(f"{path} {value}" for path, value in point.chosen.items())
-            print(f"{100 * point.error:10.4g} %  {point.cost:10.4g} s/s  {settings}")
+            print(f"{100 * point.error:10.4g} %  {point.cost:10.4g} {unit}  {settings}")
 
     return exit_code(work, "study")
 

@@ -6,6 +6,7 @@ import hashlib
 import itertools
 import json
 import math
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -89,7 +90,7 @@ def _trials(study: Study, folder: Path, document: Document) -> Iterator[Trial]:
 def _trial(study: Study, folder: Path, chosen: Mapping[str, Any], document: Document, location: tuple) -> Trial:
     overrides = tuple(f"{path}={json.dumps(value)}" for path, value in {**study.set, **chosen}.items())
     try:
-        scene = load(folder / study.scene, quality=study.quality, overrides=overrides)
+        scene = load(Path(os.path.normpath(folder / study.scene)), quality=study.quality, overrides=overrides)
     except SceneError as error:
         mark = document.mark(location)
         raise SceneError([f"{mark.source}:{mark.line}: {problem}" for problem in error.problems]) from None

@@ -1,4 +1,4 @@
-"""A quantity of a simulation, and how far it is from its reference."""
+"""A quantity of a trial, and how far it is from its reference."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.settings import Refused
-from workflow.study import formula
+from workflow.study import formula, pictures, surfaces
 from workflow.study.spec import ByFormula, ByTable, Formula, Quantity
 
 Curve = tuple[np.ndarray, np.ndarray]
@@ -122,11 +122,21 @@ def truth(reference: ByFormula | ByTable, quantity: Quantity, scale: Formula | N
 
 
 def truth_of_trial(quantity: Quantity, scale: Formula | None, folder: Path) -> Truth:
-    """What the most accurate simulation found."""
-    times, values = series(quantity, folder)
-    if quantity.take != "curve":
-        times, values = None, np.array([taken(quantity, (times, values))])
+    """What the most accurate trial found."""
+    if quantity.table == "picture":
+        return Truth(pictures.read(folder), 1.0 if scale is None else formula.evaluate(scale))
+    if quantity.table != "surface" and quantity.take == "curve":
+        times, values = series(quantity, folder)
+    else:
+        times, values = None, np.array([number(quantity, folder)])
     return Truth(values, _scale(scale, {}, values), times)
+
+
+def number(quantity: Quantity, folder: Path) -> float:
+    """What a trial found that is one number; raises Refused."""
+    if quantity.table == "surface":
+        return surfaces.measure(quantity, folder)
+    return taken(quantity, series(quantity, folder))
 
 
 def _scale(scale: Formula | None, names: dict[str, float], values: np.ndarray) -> float:
@@ -154,16 +164,18 @@ def _read(path: Path) -> Curve:
     return times[order], values[order]
 
 
-def error(quantity: Quantity, true: Truth, folder: Path) -> tuple[float, float]:
-    """What the simulation in a folder found (of a curve: its last value), and the error: of a number the difference,
-    of a curve its RMS, both over the scale."""
-    curve = series(quantity, folder)
+def error(quantity: Quantity, true: Truth, folder: Path) -> tuple[float | None, float]:
+    """What a trial found (of a curve its last value, of a picture nothing), and the error: of a number the difference,
+    of a curve or a picture the RMS of the differences, over the scale."""
+    if quantity.table == "picture":
+        return None, pictures.difference(pictures.read(folder), true.values) / true.scale
     if true.times is None:
-        found = taken(quantity, curve)
+        found = number(quantity, folder)
         return found, abs(found - float(true.values[0])) / true.scale
-    end = min(curve[0][-1], quantity.until or math.inf) * (1 + 1e-9)
-    if true.times[-1] > end and true.times[true.times <= end].size < 2:
+    times, values = series(quantity, folder)
+    end = min(times[-1], quantity.until or math.inf) * (1 + 1e-9)
+    kept = (true.times >= times[0] * (1 - 1e-9)) & (true.times <= end)
+    if kept.sum() < 2:
         raise Refused("the simulation ends before its reference begins", location=("quantity",))
-    kept = (true.times >= curve[0][0] * (1 - 1e-9)) & (true.times <= end)
-    found = np.interp(true.times[kept], *curve)
-    return float(curve[1][-1]), float(np.sqrt(np.mean((found - true.values[kept]) ** 2))) / true.scale
+    found = np.interp(true.times[kept], times, values)
+    return float(values[-1]), float(np.sqrt(np.mean((found - true.values[kept]) ** 2))) / true.scale

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,14 +12,16 @@ from typing import Any
 from sim.settings import canonical_json
 from workflow import sources
 from workflow.catalog import STUDIES
-from workflow.plan import RESULTS, Job, Plan, versions
+from workflow.plan import ENTRY, RESULTS, Job, Plan, versions
 from workflow.scene import Scene
 from workflow.study.load import LoadedStudy, Trial
 from workflow.study.spec import ByTable
+from workflow.study.trial import RUN
 from workflow.timeline import Frames
 
 REPORT = "workflow.study"
-PACKAGES = ("matplotlib", "numpy", "scipy")
+TRIAL = "workflow.study.trial"
+PACKAGES = ("matplotlib", "numpy", "pillow", "scipy", "simpleeval", "trimesh")
 """Those that measure and draw."""
 
 
@@ -40,16 +44,36 @@ class StudyPlan:
         trial = self._trials[name]
         if not 0 <= repeat < self._repeats(trial):
             raise IndexError(f"there is no repeat {repeat} of {self._repeats(trial)}")
-        if name not in self._plans:
-            self._plans[name] = Plan(trial.scene, self._root)
-        return self._plans[name].trial(f"{RESULTS}/{STUDIES}/{self.loaded.name}/{name}/{repeat}")
-
-    def _repeats(self, trial: Trial) -> int:
-        """The reference needs no time, so that it is simulated once."""
-        return 1 if trial is self.loaded.truth else self.study.repeats
+        job = self._stage_job(name)
+        code = hashlib.sha256(f"{job.code} {self._trial_code}".encode()).hexdigest()
+        folder = f"{RESULTS}/{STUDIES}/{self.loaded.name}/{name}/{repeat}"
+        return replace(job, stage="trial", folder=folder, frames=self._frames(trial.scene), code=f"code {code[:32]}")
 
     def trials(self) -> list[Job]:
         return [self.trial(name, k) for name, trial in self._trials.items() for k in range(self._repeats(trial))]
+
+    def inputs(self, name: str) -> dict[str, str]:
+        """Folders that a trial's command reads, by its options: results of the film of the scene."""
+        plan = self._plan(name)
+        segment = self._segment(plan)
+        found = {}
+        if self.study.stage != "simulate":
+            found["--simulation"] = plan.job("simulate", segment).folder
+        if self.study.stage == "render" and plan.has_surface:
+            found["--surface"] = plan.job("reconstruct", segment).folder
+        return found
+
+    def command(self, name: str) -> list[str]:
+        """The module that a trial runs, and its arguments."""
+        scene, job = self._trials[name].scene, self._stage_job(name)
+        words = [ENTRY[self.study.stage], "--spec", job.spec, "--out", RUN]
+        words += ["--frames", str(self._frames(scene)), "--threads", str(self.study.threads)]
+        words += [word for option in self.inputs(name).items() for word in option]
+        if self.study.stage == "simulate":
+            words += ["--folder", str(scene.folder)]
+        if self.study.stage == "render":
+            words += ["--fps", f"{scene.simulation.fps:.17g}"]
+        return words
 
     @cached_property
     def report(self) -> Job:
@@ -64,6 +88,40 @@ class StudyPlan:
             assets=f"assets {canonical_json(self._assets())}",
             upstream=tuple(job.plan for job in self.trials()),
         )
+
+    def _plan(self, name: str) -> Plan:
+        if name not in self._plans:
+            self._plans[name] = Plan(self._trials[name].scene, self._root)
+        return self._plans[name]
+
+    def _stage_job(self, name: str) -> Job:
+        """The job of the film that does what a trial measures."""
+        plan = self._plan(name)
+        if self.study.stage == "simulate":
+            return plan.whole_simulation()
+        if self.study.stage == "reconstruct":
+            return plan.job("reconstruct", self._segment(plan))
+        block = next(k for k in range(plan.timeline.blocks) if self._frame(plan.scene) <= plan.timeline.block(k).last)
+        return plan.job("render", block)
+
+    def _segment(self, plan: Plan) -> int:
+        frame, timeline = self._frame(plan.scene), plan.timeline
+        return next(k for k in range(timeline.segments) if frame <= timeline.segment(k).last)
+
+    def _frame(self, scene: Scene) -> int:
+        return scene.last_frame if self.study.frame is None else self.study.frame
+
+    def _frames(self, scene: Scene) -> Frames:
+        last = self._frame(scene)
+        return Frames(0 if self.study.stage == "simulate" else last, last)
+
+    @cached_property
+    def _trial_code(self) -> str:
+        return sources.digest(TRIAL, self._root, frozenset())
+
+    def _repeats(self, trial: Trial) -> int:
+        """The reference needs no time, so that it is carried out once."""
+        return 1 if trial is self.loaded.truth else self.study.repeats
 
     def _spec(self) -> dict[str, Any]:
         """What the report needs to know, besides the trials' results; in the order of the file, as the legend is."""

@@ -102,7 +102,7 @@ def _short(path: str, value: Any) -> str:
 
 def _frame(figure: Figure, ax: Axes, study: Study, name: str) -> None:
     figure.suptitle(f"{name}: {study.description}", x=0.01, ha="left", fontsize=10)
-    ax.set_xlabel("wall seconds per simulated second")
+    ax.set_xlabel("wall seconds per simulated second" if study.stage == "simulate" else "wall seconds per frame")
     ax.set_ylabel(f"error of the {study.quantity.name} [%]")
     ax.spines[["top", "right"]].set_visible(False)
     ax.grid(color="#e4e7eb", lw=0.6, which="major")

@@ -22,12 +22,15 @@ class Quantity(Settings):
 
     name: str
     """What it is, for the axis of the plot, as `height of the crest`."""
-    table: Literal["probes", "bodies", "steps"] = "probes"
-    """Which table holds it."""
+    table: Literal["probes", "bodies", "steps", "surface", "picture"] = "probes"
+    """Which table of the simulation holds it; or the surface, or the picture."""
     of: Name | None = None
-    """The probe or the body; steps have none."""
-    column: str
-    """A column of the table; of probes what they measure, as `water_height` or `force_y`."""
+    """The probe or the body; others have none."""
+    column: str = "value"
+    """A column of the table; of probes what they measure, as `water_height` or `force_y`. Of a surface `volume`,
+    `area`, or `distance`: the RMS over its vertices of a formula. Of a picture nothing: it is compared whole."""
+    distance: Formula | None = None
+    """How far the point x, y, z [m] is from where the surface should be [m]."""
     take: Literal["curve", "last", "mean", "maximum", "minimum", "period", "change"] = "last"
     """`curve`: every value over time; `period`: of a decaying oscillation [s]; `change`: the largest difference to the
     first value."""
@@ -38,8 +41,12 @@ class Quantity(Settings):
 
     @model_validator(mode="after")
     def _named(self) -> Self:
-        if (self.of is None) != (self.table == "steps"):
+        if (self.of is not None) != (self.table in {"probes", "bodies"}):
             raise ValueError("of names the probe or the body, and is for no table but these two")
+        if (self.distance is not None) != (self.table == "surface" and self.column == "distance"):
+            raise ValueError("distance is a formula for the column distance of a surface")
+        if self.table == "surface" and self.column not in {"volume", "area", "distance"}:
+            raise ValueError("column of a surface is volume, area or distance")
         if self.until is not None and self.until <= self.after:
             raise ValueError("until has to be later than after")
         return self
@@ -79,6 +86,9 @@ class ByTrial(Settings):
     set: Annotated[Overrides, MinLen(1)]
 
 
+TABLES = {"simulate": ("probes", "bodies", "steps"), "reconstruct": ("surface",), "render": ("picture",)}
+"""What can be measured of each stage."""
+
 Reference = Annotated[ByFormula | ByTable | ByTrial, Field(discriminator="type")]
 
 
@@ -91,6 +101,10 @@ class Study(Settings):
     """The scene's file, relative to the study's."""
     quality: Quality | None = None
     """Its preset; without it the scene's own."""
+    stage: Literal["simulate", "reconstruct", "render"] = "simulate"
+    """What is tried: a simulation of the whole scene, or one frame's surface or picture."""
+    frame: Annotated[int, Ge(0)] | None = None
+    """Which frame, of surfaces and pictures; without it the last."""
     set: Overrides = {}
     """Settings of all trials."""
     grids: Annotated[tuple[Annotated[dict[str, Annotated[tuple[Any, ...], MinLen(1)]], MinLen(1)], ...], MinLen(1)]
@@ -109,6 +123,25 @@ class Study(Settings):
     """Path of the setting that colours tell; without it the first that varies."""
     shape: str | None = None
     """Path of the setting that the shapes of points tell; without it the second that varies."""
+
+    @model_validator(mode="after")
+    def _fits_its_stage(self) -> Self:
+        if self.quantity.table not in TABLES[self.stage]:
+            raise ValueError(
+                f"stage: {self.stage} leaves no {self.quantity.table}, but {', '.join(TABLES[self.stage])}"
+            )
+        if self.stage == "simulate" and self.frame is not None:
+            raise ValueError("frame is for surfaces and pictures: a simulation runs to its end")
+        if self.quantity.table == "picture" and not isinstance(self.reference, ByTrial):
+            raise ValueError("reference of a picture has to be a trial")
+        wanted = {"reconstruct": "surface.", "render": "render."}.get(self.stage)
+        others = self.reference.set if isinstance(self.reference, ByTrial) else ()
+        for path in (*self.paths(), *self.set, *others):
+            if wanted is None and path.partition(".")[0] in {"surface", "render", "film"}:
+                raise ValueError(f"grids and set: {path} changes nothing in a simulation")
+            if wanted is not None and not path.startswith(wanted):
+                raise ValueError(f"grids and set: {path} is none of {wanted}*, which this stage is about")
+        return self
 
     @model_validator(mode="after")
     def _legend_is_varied(self) -> Self:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
+from PIL import Image
 
 from sim.settings import Refused
+from workflow.ply import write_surface
 from workflow.study import measure
 from workflow.study.spec import ByFormula, ByTable, Quantity
 
@@ -91,3 +94,52 @@ def test_what_is_not_there_is_refused(folder, missing):
 def test_an_error_relative_to_nothing_is_refused(folder):
     with pytest.raises(Refused, match="relative to 0"):
         error(folder, {**HEIGHT, "take": "last"}, "0")
+
+
+BALL = {"table": "surface", "column": "distance", "distance": "hypot(x, y, z) - 0.1"}
+
+
+def ball(folder, radius: float):
+    mesh = trimesh.creation.icosphere(subdivisions=5, radius=radius)
+    folder.mkdir()
+    zeros = np.zeros_like(mesh.vertices)
+    write_surface(folder / "surface_00003.ply", mesh.vertices, zeros, zeros, mesh.faces)
+    return folder
+
+
+def test_surfaces(tmp_path):
+    """A ball of radius r is r - R from one of radius R, everywhere."""
+    folder = ball(tmp_path / "ball", 0.12)
+    asked = quantity(**BALL)
+    assert measure.number(asked, folder) == pytest.approx(0.02, rel=1e-3)
+    true = measure.truth(ByFormula(type="formula", value=0, source=""), asked, "0.01", folder)
+    assert measure.error(asked, true, folder)[1] == pytest.approx(2, rel=1e-3)
+    for column, value in [("volume", "4 / 3 * pi * 0.12**3"), ("area", "4 * pi * 0.12**2")]:
+        asked = quantity(table="surface", column=column)
+        true = measure.truth(ByFormula(type="formula", value=value, source=""), asked, None, folder)
+        assert measure.error(asked, true, folder)[1] < 0.002
+    wrong = quantity(**{**BALL, "distance": "w - 0.1"})
+    with pytest.raises(Refused, match="can not be computed"):
+        measure.number(wrong, folder)
+
+
+def picture(folder, colors: np.ndarray):
+    folder.mkdir()
+    Image.fromarray(colors.astype(np.uint8)).save(folder / "00003.png")
+    return folder
+
+
+def test_pictures(tmp_path):
+    """A tenth too bright everywhere is a tenth of error, at any resolution."""
+    asked = quantity(table="picture")
+    gray = np.full((40, 60, 3), 102)
+    true = measure.truth_of_trial(asked, None, picture(tmp_path / "true", gray))
+    for name, colors, expected in [
+        ("same", gray, 0),
+        ("bright", gray + 25.5 - 0.5, 25 / 255),
+        ("small", np.full((20, 30, 3), 102), 0),
+        ("half", np.where(np.arange(60)[None, :, None] < 30, gray, gray + 51), 0.2 / 2**0.5),
+    ]:
+        value, error = measure.error(asked, true, picture(tmp_path / name, colors))
+        assert value is None
+        assert error == pytest.approx(expected, abs=1e-9)

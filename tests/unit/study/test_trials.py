@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 
 import pytest
 
@@ -14,37 +15,46 @@ from workflow.study.__main__ import main as report
 BALL = {"shape": {"type": "sphere", "radius": 0.1}, "motion": "dynamic", "position": [0, 1, 0]}
 
 
-def spec(**settings) -> str:
-    return SimulationSpec.model_validate({"fps": 4, "rigid": {"bodies": {"ball": BALL}}, **settings}).canonical()
+def simulation(frames: str = "0:2", **settings) -> list[str]:
+    """A command that simulates a ball."""
+    spec = SimulationSpec.model_validate({"fps": 4, "rigid": {"bodies": {"ball": BALL}}, **settings}).canonical()
+    words = [sys.executable, "-m", "sim.segment", "--spec", spec, "--folder", ".", "--frames", frames]
+    return [*words, "--out", trial.RUN, "--threads", "1"]
 
 
 def test_a_fall(tmp_path):
-    found = trial.run(spec(), ".", "0:2", tmp_path, threads=1, limit=100)
+    found = trial.run("simulate", simulation(), tmp_path, limit=100)
     assert (found["status"], found["simulated_s"]) == ("done", 0.5)
     assert found["cost"] == pytest.approx(found["stepping_s"] / 0.5)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bodies.csv", "steps.csv", "summary.json"]
 
 
 def test_what_is_refused_costs_nothing(tmp_path):
-    found = trial.run(spec(step={"fixed": 1.0}), ".", "0:2", tmp_path, threads=1, limit=100)
+    found = trial.run("simulate", simulation(step={"fixed": 1.0}), tmp_path, limit=100)
     assert found["status"] == "refused"
     assert "cost" not in found
     assert "step.fixed" in found["message"]
 
 
-def test_what_takes_too_long_is_given_up_at_its_cost(tmp_path, monkeypatch):
-    endless = {"rigid": {"bodies": {"ball": BALL}, "max_step": 1e-5}}
-    found = trial.run(spec(**endless), ".", "0:4000", tmp_path, threads=1, limit=12)
+def test_what_takes_too_long_is_given_up_at_its_cost(tmp_path):
+    endless = simulation("0:4000", rigid={"bodies": {"ball": BALL}, "max_step": 1e-5})
+    found = trial.run("simulate", endless, tmp_path, limit=12)
     assert found["status"] == "too long"
-    assert found["simulated_s"] < 1000
-    assert found["cost"] is None or found["cost"] > 0
+    # A machine under load may not have come to the first step.
+    assert found.get("simulated_s", 0) < 1000
 
 
-def test_a_crash_is_no_outcome(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(trial, "SIMULATE", "sim.nothing")
-    arguments = ["--spec", spec(), "--folder", ".", "--frames", "0:1", "--out", str(tmp_path)]
+def test_a_crash_is_no_outcome(tmp_path, capsys):
+    arguments = ["--stage", "simulate", "--out", str(tmp_path), "--", sys.executable, "-m", "sim.nothing"]
     assert trial.main(arguments) == 1
     assert "exit code 1" in capsys.readouterr().err
+
+
+def test_surfaces_and_pictures_are_told_by_their_frames():
+    surface = {"wall_s": {"splashsurf": 3.0}, "frames": [{"triangles": 5}, {"triangles": 7}]}
+    assert trial.KINDS["reconstruct"].figures(surface) == {"cost": 1.5, "triangles": 7}
+    picture = {"wall_s_per_frame": [2.0, 4.0], "device": {"kind": "CPU"}}
+    assert trial.KINDS["render"].figures(picture) == {"cost": 3.0, "device": "cpu"}
 
 
 TRIALS = {
