@@ -59,7 +59,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     from sim.preview import preview
     from workflow.document import SceneError
-    from workflow.scene import QUALITIES, load
+    from workflow.scene import QUALITIES, load, load_combination
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
@@ -70,6 +70,10 @@ def _check(options: argparse.Namespace) -> int:
             except Refused as refused:
                 raise scene.error(refused) from None
             print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {summary}")
+            for combination in scene.wedge:
+                load_combination(options.scene, combination.name, quality=quality)
+            if scene.wedge:
+                print(f"{options.scene} ({quality}): {len(scene.wedge)} combinations, all valid")
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED

@@ -14,7 +14,9 @@ from sim.similar import similar
 from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
 from workflow.plan import FILMS, Job, Plan
-from workflow.scene import QUALITIES, load
+from workflow.scene import QUALITIES, Scene, load, load_combination
+from workflow.wedge.combinations import MARK, Combination, split
+from workflow.wedge.plan import wedge_job
 
 SCENES = "scenes"
 STUDIES = "studies"
@@ -66,7 +68,7 @@ class Catalog(JobLookup):
         key = (name, quality or self._quality)
         if key not in self._plans:
             try:
-                scene = load(find(name), quality=key[1])
+                scene = self._load(name, key[1])
             except SceneError as error:
                 stop(str(error))
             try:
@@ -79,8 +81,25 @@ class Catalog(JobLookup):
             self._plans[key] = self._plans[same]
         return self._plans[key]
 
+    def wedge(self, name: str) -> dict[str, tuple[Combination, Plan]]:
+        """The combinations of a scene's wedge with the plans of their films, by name."""
+        scene = self.plan(name).scene
+        if not scene.wedge:
+            example = "wedge: {fluid.viscosity: [1e-6, 1e-3]}"
+            stop(f"{scene.path} has no wedge, so there is nothing to compare\n  fix: add one, as `{example}`")
+        films = {f"{name}{MARK}{found.name}": found for found in scene.wedge}
+        return {film: (found, self.plan(film)) for film, found in films.items()}
+
+    def _load(self, name: str, quality: str | None) -> Scene:
+        name, combination = split(name)
+        if combination:
+            return load_combination(find(name), combination, quality=quality)
+        return load(find(name), quality=quality)
+
     def find(self, stage: str, wildcards: Any) -> Job:
         """Wildcards: scene, quality, and the number of the part."""
+        if stage == "wedge":
+            return wedge_job(wildcards.scene, self.wedge(wildcards.scene), self._root)
         plan = self.plan(wildcards.scene, wildcards.get("quality"))
         try:
             return plan.job(stage, int(wildcards.get("segment", wildcards.get("block", 0))))

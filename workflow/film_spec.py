@@ -12,6 +12,10 @@ from sim.settings import Refused, Settings
 from sim.units import Frequency
 
 
+MANAGED = frozenset({"results", "renders", "studies", "wedges", ".snakemake", ".git"})
+"""Folders of the project in which nothing else may be written."""
+
+
 class ContactSheet(Settings):
     """One picture with frames from the whole film, each labelled with its time."""
 
@@ -50,7 +54,7 @@ class FilmSpec(Settings):
                 location=location,
                 remedy="give a path inside it, such as gallery/film.mp4",
             )
-        if path.relative_to(project).parts[0] in {"results", "renders", ".snakemake", ".git"}:
+        if path.relative_to(project).parts[0] in MANAGED:
             raise Refused(
                 f"'{self.copy_to}' is inside of {path.relative_to(project).parts[0]}/, which the workflow manages",
                 location=location,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from annotated_types import Le
+from annotated_types import Le, Len
 from pydantic import Field, ValidationError
 
 from render.presets import PRESETS as RENDER_PRESETS
@@ -24,6 +24,7 @@ from workflow.document import Document, SceneError, read
 from workflow.film_spec import FilmSpec
 from workflow.problems import explain
 from workflow.surface_spec import SURFACE_PRESETS, SurfaceSpec
+from workflow.wedge.combinations import MARK, Combination, combinations
 
 Quality = Literal["draft", "standard", "final"]
 QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
@@ -43,6 +44,9 @@ class SceneFile(SimulationSpec):
     surface: SurfaceSpec = Field(default_factory=SurfaceSpec)
     render: RenderSpec = Field(default_factory=RenderSpec)
     film: FilmSpec = Field(default_factory=FilmSpec)
+    wedge: dict[str, Annotated[tuple[Any, ...], Len(1, 1000)]] = {}
+    """Values to try, by the dotted path of a setting: each combination becomes a film, and `snakemake wedges/NAME`
+    one sheet and one table of all."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,7 @@ class Scene:
     surface: SurfaceSpec
     render: RenderSpec
     film: FilmSpec
+    wedge: tuple[Combination, ...]
     assets: dict[str, str]
     document: Document
 
@@ -76,7 +81,8 @@ class Scene:
 
 
 def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (), root: Path | None = None) -> Scene:
-    """Load the scene at `path`; `root` (default: the working directory) bounds what it may write.
+    """Load the scene at `path`; `root` (default: the working directory) bounds what it may write. The values of its
+    wedge are not looked at: `load_combination` does.
 
     Raises SceneError, whose text names file, line, field and remedy of every problem.
     """
@@ -101,6 +107,22 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
     except Refused as refused:
         raise scene.error(refused) from None
     return Scene(**{**vars(scene), "assets": digests})
+
+
+def load_combination(path: Path, name: str, *, quality: str | None = None) -> Scene:
+    """Load the scene at `path` at one combination of its wedge; raises SceneError."""
+    scene = load(path, quality=quality)
+    known = {combination.name: combination for combination in scene.wedge}
+    if name not in known:
+        fix = suggestion(name, known) if known else "give the scene a `wedge:`, or leave out what follows the @"
+        raise SceneError([f"{path}: its wedge has no combination '{name}'\n  fix: {fix}"])
+    try:
+        found = load(path, quality=quality, overrides=known[name].overrides)
+    except SceneError as error:
+        mark = scene.document.mark(("wedge",))
+        where = f"{mark.source}:{mark.line}: wedge: "
+        raise SceneError([problem.replace("--set ", where, 1) for problem in error.problems]) from None
+    return replace(found, name=f"{found.name}{MARK}{name}", wedge=())
 
 
 def name_of(path: Path) -> str:
@@ -147,9 +169,21 @@ def _compose(document: Document, path: Path, quality: str) -> Scene:
         surface=whole.surface,
         render=whole.render,
         film=whole.film,
+        wedge=_combinations(whole.wedge, document),
         assets={},
         document=document,
     )
+
+
+def _combinations(wedge: dict[str, tuple[Any, ...]], document: Document) -> tuple[Combination, ...]:
+    for path in wedge:
+        if path.partition(".")[0] in {"quality", "presets", "wedge", "description"}:
+            remedy = "give paths of settings, as fluid.viscosity; presets are chosen by --config quality=..."
+            raise SceneError([document.problem(("wedge", path), "this can not be varied", remedy)])
+    try:
+        return tuple(combinations(wedge))
+    except Refused as refused:
+        raise SceneError([document.problem(refused.location, refused.message, refused.remedy)]) from None
 
 
 def _whole(frames: float) -> bool:

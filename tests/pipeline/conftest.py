@@ -46,7 +46,7 @@ f 2 4 3
 """
 STAGES = {
     **{"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film"},
-    **{"Trial": "trial", "Study": "study"},
+    **{"Trial": "trial", "Study": "study", "Wedge": "wedge"},
 }
 
 
