@@ -11,7 +11,6 @@ from pydantic import StringConstraints
 from sim.settings import Refused, Settings
 from sim.units import Frequency
 
-
 MANAGED = frozenset({"results", "renders", "studies", "wedges", ".snakemake", ".git"})
 """Folders of the project in which nothing else may be written."""
 

@@ -93,7 +93,7 @@ def test_a_value_that_does_not_fit_is_named_with_its_line(scene):
 
 def test_a_combination_that_is_not_there_is_named(scene):
     path = scene()
-    with pytest.raises(SceneError, match="did you mean 'restitution=0,gravity=0_-1.62_0'"):
+    with pytest.raises(SceneError, match=r"did you mean 'restitution=0,gravity=0_-1\.62_0'"):
         load_combination(path, "restitution=0,gravity=0_-1.6_0")
     path = scene((SCENE[SCENE.index("wedge:") :], ""))
     with pytest.raises(SceneError, match="give the scene a `wedge:`"):
