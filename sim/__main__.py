@@ -1,4 +1,4 @@
-"""Check or run the simulation of a scene file, without the rest of the pipeline."""
+"""Check, explain or run the simulation of a scene file, without the rest of the pipeline."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ EXAMPLES = """\
 examples:
   python -m sim check scenes/bunny.yaml
       validate the scene at each of its presets; nothing is simulated
+  python -m sim explain scenes/bunny.yaml
+      what it models, what it leaves out and could leave out, and what it costs
   python -m sim run scenes/bunny.yaml --out out --quality draft
       simulate all frames into out/: fluid_00042.ply, bodies.csv, steps.csv, state_00072.npz, summary.json
   python -m sim run scenes/bunny.yaml --out out --set fluid.viscosity=0.01 --set gravity='[0, -1.62, 0]'
@@ -35,14 +37,15 @@ def main(arguments: list[str] | None = None) -> int:
     )
     commands = parser.add_subparsers(dest="command", required=True)
     check = commands.add_parser("check", help="validate a scene file")
+    explain = commands.add_parser("explain", help="say what a scene models and what it could leave out")
     run = commands.add_parser("run", help="simulate a scene file")
-    for command in (check, run):
+    for command in (check, explain, run):
         command.add_argument("scene", type=Path, help="scene file, as scenes/bunny.yaml")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
     _add_run_options(run)
     options = parser.parse_args(arguments)
-    return _check(options) if options.command == "check" else _run(options)
+    return {"check": _check, "explain": _explain, "run": _run}[options.command](options)
 
 
 def _add_run_options(run: argparse.ArgumentParser) -> None:
@@ -77,6 +80,32 @@ def _check(options: argparse.Namespace) -> int:
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
+    return 0
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from sim.explain import explain
+    from workflow.costs import costs
+    from workflow.document import SceneError
+    from workflow.scene import load
+
+    try:
+        scene = load(options.scene, quality=options.quality, overrides=options.set)
+        try:
+            found = explain(scene.simulation, scene.folder, scene.duration)
+        except Refused as refused:
+            raise scene.error(refused) from None
+    except SceneError as error:
+        print(error, file=sys.stderr)
+        return REFUSED
+    print(f"{options.scene} ({scene.quality}): {scene.duration:g} s, {scene.last_frame + 1} frames")
+    parts = {"models": found.models, "leaves out": found.leaves_out, "could leave out": found.could_leave_out}
+    parts["costs"] = costs(scene)
+    width = max(len(line.subject) for lines in parts.values() for line in lines)
+    for title, lines in parts.items():
+        print(f"\n{title}{'' if lines else ': nothing'}")
+        for line in lines:
+            print(f"  {line.subject:<{width}}  {line.text}")
     return 0
 
 

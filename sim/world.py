@@ -180,7 +180,7 @@ class World:
                 pivots(self.obstacles),
                 self._sheet_samples(),
             ),
-            drop=self._top - self.floor,
+            drop=self.drop,
             fastest=self._fastest,
         )
         self._aim(time)
@@ -439,6 +439,11 @@ class World:
         heights += [self._extent_up(item.bounds)[0] for item in [*self._inflows, *self.sheets]]
         heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
         return min(heights, default=0.0)
+
+    @property
+    def drop(self) -> float:
+        """How far what begins highest may fall [m]."""
+        return self._top - self.floor
 
     @property
     def _inflows(self) -> list[Source | Outlet]:

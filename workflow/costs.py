@@ -1,0 +1,34 @@
+"""What a scene costs: memory and files as estimated, times as its last film took them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sim.explain import Line
+from workflow.memory import estimate, particles
+from workflow.plan import FILMS
+from workflow.scene import Scene
+from workflow.summaries import read
+
+PARTICLE_BYTES = 32
+"""Of a particle in fluid_00042.ply: eight values of four bytes."""
+
+
+def costs(scene: Scene) -> list[Line]:
+    """Memory of the jobs, the size of the particles' files, and what the last film took, if there is one."""
+    stages = [stage for stage in ("simulate", "reconstruct", "render") if stage != "reconstruct" or particles(scene)]
+    memory = ", ".join(f"{stage} {estimate(stage, scene):,} MB" for stage in stages)
+    found = [Line("memory", f"at most about {memory}")]
+    count, frames = particles(scene), scene.last_frame + 1
+    if count:
+        each = count * PARTICLE_BYTES / 1e6
+        found.append(
+            Line("files", f"{frames} of up to {each:.3g} MB with particles, {frames * each / 1000:.3g} GB in all")
+        )
+    film = read(Path(FILMS, scene.name))
+    if film.get("quality") == scene.quality and "wall_s" in film:
+        times = ", ".join(f"{stage} {wall['total']:.0f} s" for stage, wall in film["wall_s"].items() if stage in stages)
+        found.append(Line("time", f"the film in {FILMS}/{scene.name} took {times}, added up over its jobs"))
+    else:
+        found.append(Line("time", f"not known: there is no film of this quality in {FILMS}/{scene.name}"))
+    return found
