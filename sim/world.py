@@ -265,7 +265,7 @@ class World:
             from sim.cloth.untangling.untangle import untangle
 
             state = self._cloth_state or ClothState()
-            self.sheets, self.untangled = untangle(self.sheets, state, solids)
+            self.sheets, self.untangled = untangle(self.sheets, state, solids, self._up)
 
     def _build_cloth(self, time: float) -> None:
         from sim.cloth.part import ClothPart

@@ -2,7 +2,7 @@
 
 Given where points were and where an integrator takes them, `find` adds the pairs of a point and a triangle, or of two
 edges, that come nearer than their thickness on the way: the integrator has to keep those apart, and to ask again. When
-nothing is new, or it was asked often enough, `hold_back` lets points go only so far that nothing passes through.
+nothing is new, or it was asked often enough, `hold_back` lets points go so far together that nothing passes through.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from sim.cloth.mesh import ClothMesh
 from sim.cloth.search import EDGE, PLANE, POINT, Hits
 from sim.cloth.surfaces import Surface, Tree
 from sim.cloth.tables import incidence, integers, numbers, vectors
+from sim.cloth.zones import Zones
 from sim.double import vec3
 
 EARLY = 0.95
@@ -33,7 +34,7 @@ ENDS = 1e-9
 ROOM = 8
 """Hits of one point or edge that there is room for at first."""
 HALVINGS = 40
-"""Of the ways of points that would pass through something."""
+"""Of how far the ways of points that would pass one another differ."""
 
 
 @dataclass(frozen=True)
@@ -172,24 +173,37 @@ class Collisions:
             self.learn()
         self._keep_forces()
 
-    def hold_back(self, start: ti.Ndarray, place: ti.Ndarray) -> tuple[np.ndarray, int]:
-        """Shorten ways until nothing comes too near; returns which share of its way each point went, shape [points],
-        and how many pairs are too near still: solids that move push them together."""
-        share = np.ones(self.mesh.total)
+    def hold_back(self, start: ti.Ndarray, place: ti.Ndarray, velocity: ti.Ndarray | None = None) -> tuple[int, int]:
+        """Let points that would pass one another go on as one, their velocities too; returns how many did, and how
+        many pairs are too near still: solids that move push them together."""
+        if not len(self.narrow):
+            return 0, 0
+        begin, there = start.to_numpy(), place.to_numpy()
+        speed = velocity.to_numpy() if velocity else np.zeros_like(there)
+        zones, joined = Zones.none(self._free_mass(begin)), np.zeros(self.mesh.total, bool)
         for _ in range(HALVINGS):
+            zone = zones.add(self.narrow)
+            inside = (zone >= 0) & (zones.mass > 0)
+            if not inside.any():
+                break
+            joined |= inside
+            there = begin + zones.join(zone, there - begin)
+            speed = zones.join(zone, speed)
+            place.from_numpy(there)
+            self._search(start, place)
             if not len(self.narrow):
                 break
-            corners = np.unique(self.narrow)
-            corners = corners[(corners >= 0) & (corners < self.mesh.count)]
-            corners = corners[~self.mesh.held[corners]]
-            if not (share[corners] > 1e-6).any():
-                break
-            factor = np.ones(self.mesh.total)
-            factor[corners] = 0.5
-            share *= factor
-            search.shorten(self.mesh.count, numbers(factor), start, place)
-            self._search(start, place)
-        return share, len(self.narrow)
+        if velocity:
+            velocity.from_numpy(speed)
+        return int(joined.sum()), len(self.narrow)
+
+    def _free_mass(self, places: np.ndarray) -> np.ndarray:
+        """Mass of points [kg]; 0 for those that are held, belong to solids, or touch a plane."""
+        mass = np.zeros(self.mesh.total)
+        mass[: self.mesh.count] = np.where(self.mesh.held, 0.0, self.mesh.mass)
+        for wall in self.walls:
+            mass[places @ wall.normal - wall.offset < NEAR * self.half] = 0.0
+        return mass
 
     def _search(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY) -> Known:
         for tree in (*self._own, *self._solid):

@@ -10,7 +10,7 @@ import taichi as ti
 
 from sim.cloth.layout import Points, Touches, Way
 from sim.cloth.touch import NOTHING
-from sim.double import Numbers, Vectors, vec3
+from sim.double import Vectors, vec3
 
 
 @ti.func
@@ -232,10 +232,3 @@ def carry_solids(points: ti.i32, total: ti.i32, dt: ti.f64, p: Points, w: Way):
     for i in range(points, total):
         p.velocity[i] = (w.aims[i] - w.start[i]) / dt
         p.position[i] = w.aims[i]
-
-
-@ti.kernel
-def slow(points: ti.i32, share: Numbers, p: Points):
-    """Slow points that could go only a share of their way."""
-    for i in range(points):
-        p.velocity[i] *= share[i]

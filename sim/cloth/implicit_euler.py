@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 import taichi as ti
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sim.cloth import newton_sums
+from sim.cloth.adrift import Adrift
 from sim.cloth.collision import Collisions
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.newton import Newton
 from sim.cloth.spec import Cloth
-from sim.cloth.tables import numbers
+from sim.cloth.tables import numbers, vectors
 from sim.double import vec3
 
 INERTIAS = 16.0
@@ -58,7 +57,8 @@ class ImplicitEuler:
         self.gravity = vec3(*gravity)
         self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
         self.trial = self._newton.trial
-        self._adrift, self._held = numbers(_adrift(mesh)), numbers(np.zeros(mesh.count))
+        self._adrift = Adrift(mesh)
+        self._falls, self._rests = numbers(self._adrift.free), numbers(np.zeros(mesh.count))
 
     def limits(self) -> dict[str, float]:
         """Largest steps [s] by what limits them: none."""
@@ -80,7 +80,7 @@ class ImplicitEuler:
             dt,
             self.gravity,
             # What touches something is at rest more often than it falls.
-            self._held if self.collisions.count else self._adrift,
+            self._rests if self.collisions.count else self._falls,
             mesh.points,
             mesh.strands,
             mesh.angles,
@@ -112,7 +112,7 @@ class ImplicitEuler:
     def settle(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
-        share, stuck = collisions.hold_back(trial.start, trial.place)
+        held_back, stuck = collisions.hold_back(trial.start, trial.place)
         collisions.end()
         steps, iterations, capped = self._told.tolist()
         values = (
@@ -121,7 +121,7 @@ class ImplicitEuler:
             int(capped > 0),
             collisions.count,
             self._rounds,
-            int((share < 1).sum()),
+            held_back,
             stuck,
             int(self._newton.left > UNSOLVED),
         )
@@ -135,19 +135,19 @@ class ImplicitEuler:
             self._rounds += 1
             collisions.harden(dt, INERTIAS, SPRINGS, SINKING)
             self._told += self._newton.converge(dt)
+            self._keep_momentum(dt)
             sunk = collisions.sunk(SUNK, trial.place)
             if sunk:
                 collisions.learn()
             if not (collisions.find(trial.start, trial.place, add=rounds < ROUNDS) or sunk):
                 break
 
+    def _keep_momentum(self, dt: float) -> None:
+        """Move what is adrift by what forces left on it as a whole would."""
+        push = self._adrift.push(self.collisions.known, self._newton.force.to_numpy())
+        if push is not None:
+            newton_sums.shift(self.mesh.count, dt, vectors(push), self.trial)
+
     @property
     def bytes(self) -> int:
         return self._newton.bytes + self.collisions.bytes
-
-
-def _adrift(mesh: ClothMesh) -> np.ndarray:
-    """1 for points that no springs tie to a held one, 0 for others, shape [points]."""
-    ones = np.ones(len(mesh.ends))
-    _, piece = connected_components(coo_array((ones, tuple(mesh.ends.T)), shape=(mesh.count, mesh.count)))
-    return 1.0 - np.isin(piece, piece[mesh.held])

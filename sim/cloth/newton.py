@@ -78,6 +78,11 @@ class Newton:
         }
         self._term_room = 0
 
+    @property
+    def force(self) -> ti.Ndarray:
+        """What is left of forces on points where the last solution ended [N]."""
+        return self._system["force"]
+
     def converge(self, dt: float) -> np.ndarray:
         """Go to where the energy is least, each way conjugate to the one before; returns steps, iterations, and whether
         a cap was met."""

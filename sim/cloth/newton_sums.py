@@ -363,6 +363,13 @@ def move(points: ti.i32, share: ti.f64, t: Trial, e: System) -> ti.f64:
 
 
 @ti.kernel
+def shift(points: ti.i32, dt: ti.f64, push: Vectors, t: Trial):
+    """Move points by what an acceleration [m/s^2] does in a step."""
+    for i in range(points):
+        t.place[i] += dt * dt * push[i]
+
+
+@ti.kernel
 def finish(total: ti.i32, dt: ti.f64, p: Points, t: Trial):
     """Take the places tried."""
     for i in range(total):

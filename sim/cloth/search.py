@@ -159,10 +159,3 @@ def look_again(
             normal_out[k, axis] = found.apart[axis] / ti.max(distance, 1e-30)
         for corner in ti.static(range(4)):
             weight_out[k, corner] = found.weight[corner]
-
-
-@ti.kernel
-def shorten(count: ti.i32, factor: Numbers, start: Vectors, place: Vectors):
-    """Let points go only a part of their way."""
-    for i in range(count):
-        place[i] = start[i] + factor[i] * (place[i] - start[i])

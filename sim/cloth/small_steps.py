@@ -71,10 +71,7 @@ class SmallSteps:
                 self.sweeps *= 4
             if rounds < ROUNDS:
                 contact_projection.put_back(mesh.total, points, self._speed, self.way)
-        share, stuck = collisions.hold_back(start, points.position)
-        held_back = int((share < 1).sum())
-        if held_back:
-            contact_projection.slow(mesh.count, numbers(share), points)
+        held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
         collisions.end()
         return dict(zip(self.STATISTICS, (number, collisions.count, rounds, held_back, stuck), strict=True))
 

@@ -35,6 +35,8 @@ WORSE = 4
 """With so many times the crossings of the start it is given up."""
 STRIDE = 1.0
 """Cloth is pushed through by so many mean edges in a round: what hangs on it can follow."""
+ALIKE = 1.1
+"""Areas within this factor count as the same: a row of points more or less makes such a difference."""
 NOTICEABLE = 0.01
 """Points that went further than this share of the thickness were moved."""
 ROUNDING = 1e-8
@@ -63,12 +65,15 @@ class Untangled:
         return f"the sheet '{self.sheet}' is placed through {through}: {moved}, and it begins there"
 
 
-def untangle(sheets: list[PlacedSheet], state: ClothState, solids: Solids) -> tuple[list[PlacedSheet], list[Untangled]]:
-    """The sheets with the places where they begin, and what was done; those in `state` stay where they are.
+def untangle(
+    sheets: list[PlacedSheet], state: ClothState, solids: Solids, up: np.ndarray
+) -> tuple[list[PlacedSheet], list[Untangled]]:
+    """The sheets with the places where they begin, and what was done; those in `state` stay where they are. `up`: unit
+    vector against gravity, by which cloth goes where it may as well go down.
 
     Raises Refused where there is no way out.
     """
-    tangle = _Tangle(sheets, state, solids)
+    tangle = _Tangle(sheets, state, solids, up)
     report = tangle.resolve() if tangle.loose.any() else []
     moved = {item.sheet for item in report}
     rows = zip(sheets, tangle.of_sheet, strict=True)
@@ -78,8 +83,8 @@ def untangle(sheets: list[PlacedSheet], state: ClothState, solids: Solids) -> tu
 class _Tangle:
     """All cloth and solids, and what they are placed through."""
 
-    def __init__(self, sheets: list[PlacedSheet], state: ClothState, solids: Solids):
-        self.sheets, self.solids = sheets, solids
+    def __init__(self, sheets: list[PlacedSheet], state: ClothState, solids: Solids, up: np.ndarray):
+        self.sheets, self.solids, self._up = sheets, solids, up
         counts = [len(item.fabric.points) for item in sheets]
         starts = np.cumsum([0, *counts])
         self.count = int(starts[-1])
@@ -226,11 +231,23 @@ class _Tangle:
             pairs = [self._parts(crossings, contour) for contour in contours]
             contours = [contour for contour, pair in zip(contours, pairs, strict=True) if pair == min(pairs)]
         for contour in contours:
-            pieces = cut_off(self._topology, crossings, contour, label, self.places, self._of_filled)
+            pieces = self._upward(cut_off(self._topology, crossings, contour, label, self.places, self._of_filled))
             choices = [self._push_back(crossings, piece) for piece in pieces]
             possible = [pushes for pushes in choices if not pushes.held(self._free).any()]
             found.append((possible or choices or [self._shorten(crossings, contour)])[0])
         return found
+
+    def _upward(self, pieces: list[Piece]) -> list[Piece]:
+        """Of pieces as small as the smallest, first those that let cloth rise: it then lies on what it was through."""
+        if not pieces:
+            return []
+        least = ALIKE * pieces[0].area
+        return sorted(pieces, key=lambda piece: (piece.area > least, self._rise(piece) < 0, piece.area))
+
+    def _rise(self, piece: Piece) -> float:
+        """How far cloth rises where a piece goes back by 1, or pushes it."""
+        way = float(piece.way @ self._up)
+        return way if piece.points[0] < self.count else -way
 
     def _parts(self, crossings: Crossings, contour: Contour) -> list[int]:
         """The two surfaces that cross along a contour."""

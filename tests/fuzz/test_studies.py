@@ -1,0 +1,81 @@
+"""Study files, and the wedges of scenes."""
+
+from __future__ import annotations
+
+import json
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.settings import Refused
+from tests.fuzz.mutations import VALUES, broken, fuzzed
+from workflow.document import SceneError
+from workflow.scene import load, load_combination
+from workflow.study.formula import FUNCTIONS, evaluate
+from workflow.study.load import load_study
+
+SCENE = {
+    "duration": 1,
+    "fps": 4,
+    "rigid": {"bodies": {"ball": {"shape": {"type": "sphere", "radius": 0.1}, "motion": "dynamic"}}},
+}
+STUDY = {
+    "description": "How exact is free fall?",
+    "scene": "fall.yaml",
+    "grids": [{"rigid.max_step": ["20 ms", "10 ms"], "rigid.max_iterations": [1, 5]}],
+    "quantity": {"name": "height", "table": "bodies", "of": "ball", "column": "y", "take": "curve", "until": 1},
+    "reference": {"type": "formula", "value": "1 - g * t**2 / 2", "where": {"g": 9.81}, "source": "Galilei 1638"},
+    "scale": 1,
+}
+
+
+def written(data: object) -> str:
+    return json.dumps(data).replace("NaN", ".nan").replace("Infinity", ".inf")
+
+
+def test_studies(tmp_path):
+    tmp_path.joinpath("fall.yaml").write_text(written(SCENE))
+    path = tmp_path / "study.yaml"
+
+    @fuzzed(200)
+    @given(broken(STUDY))
+    def check(changed):
+        path.write_text(written(changed))
+        try:
+            assert load_study(path, "study").trials
+        except SceneError as error:
+            assert str(error)
+
+    check()
+
+
+def test_wedges(tmp_path):
+    path = tmp_path / "fall.yaml"
+    paths = st.sampled_from(["gravity", "fps", "rigid.bodies.ball.density", "rigid.max_step", "render", "a.b", ""])
+
+    @fuzzed(200)
+    @given(st.dictionaries(paths | st.text(max_size=8), st.lists(VALUES, max_size=3), max_size=3))
+    def check(wedge):
+        path.write_text(written({**SCENE, "wedge": wedge}))
+        try:
+            for combination in load(path, root=tmp_path).wedge:
+                assert load_combination(path, combination.name).name == f"fall@{combination.name}"
+        except SceneError as error:
+            assert str(error)
+
+    check()
+
+
+@fuzzed(500)
+@given(
+    st.lists(
+        st.sampled_from([*FUNCTIONS, *"xyt+-*/()[]{}.,'=<:", "**", "//", "9", "1e308", "lambda", "__class__", " if "]),
+        max_size=12,
+    ).map("".join)
+    | st.text(max_size=20)
+)
+def test_formulas(text):
+    try:
+        assert abs(evaluate(text, {"x": 1.5, "y": -2.0, "t": 0.0})) < float("inf")
+    except Refused as refused:
+        assert str(refused)
