@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 import zipfile
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from sim.files import whole
 from sim.settings import Refused
 from sim.spec import SimulationSpec
+from sim.state_head import Head
 
 if TYPE_CHECKING:
     from sim.cloth.state import ClothState
@@ -20,6 +23,11 @@ if TYPE_CHECKING:
     from sim.rigid.body import RigidState
 
 FORMAT = 1
+UNREADABLE = (
+    *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
+    *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),
+)
+"""What archives and arrays that are broken raise."""
 
 
 @dataclass
@@ -84,40 +92,38 @@ class Checkpoint:
     @classmethod
     def load(cls, path: Path, spec: SimulationSpec) -> Checkpoint:
         """Raises Refused for a file that is no state, or one of a scene with other particles."""
-        meta, arrays = _read(path)
-        if meta["layout"] != _layout(spec):
+        head, arrays = _read(path)
+        if head.layout != _layout(spec):
             raise Refused(
-                f"{path} was made with {meta['layout']}, the scene has {_layout(spec)}",
+                f"{path} was made with {head.layout}, the scene has {_layout(spec)}",
                 remedy="resume with the settings it was made with, or start at frame 0",
             )
-        fluid = None
+        _refuse_counts(path, head)
+        fluid = rigid = cloth = None
         if spec.fluid is not None:
             from sim.fluid.part import FluidState
 
-            kinds = vars(FluidState())
-            fluid = FluidState(**{name: _array(path, arrays, f"fluid.{name}", kind) for name, kind in kinds.items()})
-            if len({len(values) for values in vars(fluid).values()}) > 1:
-                raise _damaged(path, "its arrays differ in length")
-        rigid = None
-        if "dynamic_bodies" in meta:
+            fluid = FluidState(**_material(path, arrays, "fluid", FluidState()))
+            _refuse_lengths(path, {len(values) for values in vars(fluid).values()})
+        if head.dynamic_bodies is not None:
             from sim.rigid.body import RigidState
 
-            kinds = {name: kind for name, kind in vars(RigidState()).items() if name != "names"}
-            rigid = RigidState(
-                tuple(meta["dynamic_bodies"]),
-                **{name: _array(path, arrays, f"rigid.{name}", kind) for name, kind in kinds.items()},
-            )
-        cloth = None
-        if "sheets" in meta:
+            rigid = RigidState(head.dynamic_bodies, **_material(path, arrays, "rigid", RigidState()))
+            bodies = (rigid.position, rigid.rotation, rigid.velocity, rigid.momentum)
+            _refuse_lengths(path, {len(rigid.names), *map(len, (*bodies, rigid.fluid_force, rigid.fluid_torque))})
+        if head.sheets is not None:
             from sim.cloth.state import ClothState
 
-            kinds = {name: kind for name, kind in vars(ClothState()).items() if name != "sheets"}
-            cloth = ClothState(
-                dict(meta["sheets"]),
-                **{name: _array(path, arrays, f"cloth.{name}", kind) for name, kind in kinds.items()},
-            )
-        clock, emission = Clock(**meta["clock"]), meta.get("emission", {})
-        return cls(clock, meta["counts"], meta["probe_times"], emission, arrays["origin"], fluid, rigid, cloth)
+            cloth = ClothState(dict(head.sheets), **_material(path, arrays, "cloth", ClothState()))
+            points = {sum(cloth.sheets.values()), *map(len, (cloth.position, cloth.velocity, cloth.fluid_force))}
+            _refuse_lengths(path, points)
+            touches = (cloth.touch_key, cloth.touch_weight, cloth.touch_normal, cloth.touch_force)
+            _refuse_lengths(path, set(map(len, touches)))
+        clock, emission = Clock(**head.clock.model_dump()), head.emission.model_dump(exclude_unset=True)
+        origin = arrays.get("origin")
+        if origin is None or origin.shape != (3,) or origin.dtype != np.float64 or not np.isfinite(origin).all():
+            raise _damaged(path, "origin is missing or of another kind")
+        return cls(clock, head.counts, head.probe_times, emission, origin, fluid, rigid, cloth)
 
 
 def state_name(frame: int) -> str:
@@ -127,10 +133,10 @@ def state_name(frame: int) -> str:
 
 def frame_of(path: Path) -> int:
     """The frame after which a state was saved; raises Refused for a file that is no state."""
-    return _read(path)[0]["clock"]["frame"]
+    return _read(path)[0].clock.frame
 
 
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def _read(path: Path) -> tuple[Head, dict[str, np.ndarray]]:
     """The contents of a state file; raises Refused for anything else."""
     try:
         with zipfile.ZipFile(path) as archive:
@@ -141,13 +147,36 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
             arrays = {name: stored[name] for name in stored.files}
         meta = json.loads(str(arrays["meta"]))
         found = meta["format"]
+        head = Head.model_validate(meta) if found == FORMAT else None
     except FileNotFoundError:
         raise Refused(f"{path}: no such state", remedy="give a state_*.npz that a run has written") from None
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, EOFError) as error:
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise _damaged(path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+    except UNREADABLE as error:
         raise _damaged(path, str(error)) from None
-    if found != FORMAT:
+    if head is None:
         raise Refused(f"{path} has format {found}, this version reads {FORMAT}", remedy="run anew")
-    return meta, arrays
+    return head, arrays
+
+
+def _material(path: Path, arrays: dict[str, np.ndarray], material: str, like: Any) -> dict[str, np.ndarray]:
+    """All arrays of a material, of the kinds of those of `like`; raises Refused."""
+    kinds = {name: kind for name, kind in vars(like).items() if isinstance(kind, np.ndarray)}
+    return {name: _array(path, arrays, f"{material}.{name}", kind) for name, kind in kinds.items()}
+
+
+def _refuse_counts(path: Path, head: Head) -> None:
+    from sim.world import Counts
+
+    unknown = set(head.counts) - set(vars(Counts()))
+    if unknown:
+        raise _damaged(path, f"it counts {', '.join(sorted(unknown))}")
+
+
+def _refuse_lengths(path: Path, lengths: set[int]) -> None:
+    if len(lengths) > 1:
+        raise _damaged(path, "its arrays differ in length")
 
 
 def _array(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarray) -> np.ndarray:

@@ -16,36 +16,39 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.fuzz.mutations import broken, broken_bytes, fuzzed
 
-SPEC = {
-    "fps": 100,
-    "containers": {"tank": {"type": "box", "size": [0.4, 0.4, 0.4]}},
-    "fluid": {
-        "particle_radius": 0.02,
-        "bodies": {"water": {"shape": {"type": "box", "size": [0.2, 0.2, 0.2]}, "position": [0, 0.15, 0]}},
-    },
-    "rigid": {
-        "bodies": {"ball": {"shape": {"type": "sphere", "radius": 0.05}, "motion": "dynamic", "position": [0, 0.35, 0]}}
-    },
-    "cloth": {
-        "sheets": {"rag": {"shape": {"type": "sheet", "size": [0.1, 0.1]}, "spacing": 0.05, "position": [0, 1, 0]}}
-    },
-    "probes": {"volume": {"type": "volume"}},
-}
+SPEC = SimulationSpec.model_validate(
+    {
+        "fps": 100,
+        "containers": {"tank": {"type": "box", "size": [0.4, 0.4, 0.4]}},
+        "fluid": {
+            "solver": "dfsph",
+            "particle_radius": 0.02,
+            "bodies": {"water": {"shape": {"type": "box", "size": [0.2, 0.2, 0.2]}, "position": [0, 0.15, 0]}},
+        },
+        "rigid": {
+            "bodies": {
+                "ball": {"shape": {"type": "sphere", "radius": 0.05}, "motion": "dynamic", "position": [0, 0.35, 0]}
+            }
+        },
+        "cloth": {
+            "sheets": {"rag": {"shape": {"type": "sheet", "size": [0.1, 0.1]}, "spacing": 0.05, "position": [0, 1, 0]}}
+        },
+        "probes": {"volume": {"type": "volume"}},
+    }
+)
 
 
 @pytest.fixture(scope="module")
 def state(tmp_path_factory) -> Path:
     """A state of a run with all materials."""
     out = tmp_path_factory.mktemp("run")
-    spec = SimulationSpec.model_validate({**SPEC, "fluid": {**SPEC["fluid"], "solver": "dfsph"}})
-    assert simulate(spec, Path(), out, first=0, last=1, arch="cpu", quiet=True) == 0
+    assert simulate(SPEC, Path(), out, first=0, last=1, arch="cpu", quiet=True) == 0
     return out / "state_00001.npz"
 
 
 @pytest.fixture
 def survives(tmp_path):
     """Loads a state; anything but Refused fails the test, and so do numbers that are not finite."""
-    spec = SimulationSpec.model_validate({**SPEC, "fluid": {**SPEC["fluid"], "solver": "dfsph"}})
     path = tmp_path / "state_00001.npz"
 
     def check(content: bytes | None = None) -> None:
@@ -53,7 +56,7 @@ def survives(tmp_path):
             path.write_bytes(content)
         try:
             frame_of(path)
-            found = Checkpoint.load(path, spec)
+            found = Checkpoint.load(path, SPEC)
         except Refused as refused:
             assert str(refused)
             return
@@ -114,6 +117,4 @@ def test_what_is_missing(state, survives, name):
         contents = {key: stored[key] for key in stored.files if key != name}
     np.savez(survives.path, **contents)
     with pytest.raises(Refused):
-        Checkpoint.load(
-            survives.path, SimulationSpec.model_validate({**SPEC, "fluid": {**SPEC["fluid"], "solver": "dfsph"}})
-        )
+        Checkpoint.load(survives.path, SPEC)
