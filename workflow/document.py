@@ -171,9 +171,16 @@ class _Loader(yaml.SafeLoader):
             raise yaml.MarkedYAMLError(problem=TOO_MUCH, problem_mark=self.peek_event().start_mark)
         node = super().compose_node(parent, index)
         self._depth -= 1
+        if isinstance(node, yaml.ScalarNode):
+            try:
+                # Escapes may spell a character in two halves, as JSON does.
+                node.value = node.value.encode("utf-16", "surrogatepass").decode("utf-16")
+            except UnicodeDecodeError:
+                raise yaml.MarkedYAMLError(problem=HALF, problem_mark=node.start_mark) from None
         return node
 
 
+HALF = "an escape that is half of a character"
 TOO_MUCH = "more nesting or more values than a scene can have"
 
 _Loader.yaml_implicit_resolvers = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 
 from simpleeval import InvalidExpression, SimpleEval
@@ -25,9 +26,12 @@ def evaluate(formula: Formula, names: Mapping[str, float] | None = None) -> floa
     if isinstance(formula, int | float):
         return float(formula)
     try:
-        value = SimpleEval(functions=FUNCTIONS, names={**CONSTANTS, **(names or {})}).eval(formula)
+        with warnings.catch_warnings():
+            # Assignments and second expressions are left out with a warning.
+            warnings.simplefilter("error")
+            value = SimpleEval(functions=FUNCTIONS, names={**CONSTANTS, **(names or {})}).eval(formula)
         result = float(value)
-    except (InvalidExpression, SyntaxError, ArithmeticError, ValueError, TypeError, MemoryError) as error:
+    except (Warning, InvalidExpression, SyntaxError, ArithmeticError, ValueError, TypeError, MemoryError) as error:
         known = ", ".join([*CONSTANTS, *(names or {})])
         raise Refused(
             f"'{formula}' can not be computed: {error}",

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sim.settings import Refused, canonical_json
+from sim.settings import Refused
 
 MARK = "@"
 """Between the name of a scene and that of a combination."""
@@ -54,7 +54,7 @@ def combinations(wedge: Mapping[str, Sequence[Any]]) -> list[Combination]:
         chosen = dict(zip(wedge, values, strict=True))
         name = ",".join(f"{labels[path]}={_word(value)}" for path, value in chosen.items())
         if name in found or len(name) > LONGEST:
-            digest = hashlib.sha256(canonical_json(chosen).encode()).hexdigest()[:8]
+            digest = hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:8]
             name = f"{name[:LONGEST]}-{digest}"
         found[name] = Combination(name, chosen)
     return list(found.values())

@@ -30,6 +30,8 @@ def test_numbers_functions_and_names():
         "exp(1000)",
         "[1, 2]",
         "0 * 1e999",
+        "a = 3",
+        "1; 2",
     ],
 )
 def test_what_is_no_number_is_refused(text):
