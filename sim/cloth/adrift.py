@@ -7,6 +7,7 @@ hangs together, and touches nothing else, is an error of its momentum. Moved by 
 from __future__ import annotations
 
 import numpy as np
+import taichi as ti
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -24,7 +25,7 @@ class Adrift:
         self._held = np.isin(np.arange(self._pieces), self._piece[mesh.held])
         self.free = 1.0 - self._held[self._piece]
 
-    def push(self, contacts: Known, force: np.ndarray) -> np.ndarray | None:
+    def push(self, contacts: Known, force: ti.Ndarray) -> np.ndarray | None:
         """The acceleration [m/s^2] that forces left on points [N] are for all that is adrift and touches nothing else,
         0 elsewhere, shape [points, 3]; None where nothing is."""
         fixed, corners = self._held.copy(), contacts.key[:, 1:]
@@ -37,7 +38,7 @@ class Adrift:
             count, found = _joined(*(self._piece[between[:, k]] for k in (0, 3)), self._pieces)
             fixed, system = np.isin(np.arange(count), found[fixed]), found[self._piece]
         mass = np.bincount(system, self._mass)[:, None]
-        total = np.column_stack([np.bincount(system, one) for one in force.T])
+        total = np.column_stack([np.bincount(system, one) for one in force.to_numpy().T])
         return np.where(fixed[:, None], 0.0, total / mass)[system]
 
     def _of(self, corners: np.ndarray) -> np.ndarray:

@@ -144,7 +144,7 @@ class ImplicitEuler:
 
     def _keep_momentum(self, dt: float) -> None:
         """Move what is adrift by what forces left on it as a whole would."""
-        push = self._adrift.push(self.collisions.known, self._newton.force.to_numpy())
+        push = self._adrift.push(self.collisions.known, self._newton.force)
         if push is not None:
             newton_sums.shift(self.mesh.count, dt, vectors(push), self.trial)
 
