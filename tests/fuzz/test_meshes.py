@@ -48,7 +48,7 @@ def exported(kind: str) -> bytes:
 
 @pytest.mark.parametrize("kind", FORMATS)
 def test_bytes(kind, survives):
-    @fuzzed(60)
+    @fuzzed(30)
     @given(broken_bytes(exported(kind), NUMBERS))
     def check(changed):
         survives(changed, kind)
@@ -72,7 +72,7 @@ COORDINATES = st.floats(-1, 1, width=32) | st.sampled_from([0.0, 1e-30, 1e30, -1
 def test_triangles_at_random(survives):
     """Any triangles between any points: open, doubled, folded, crossing, without area, far away."""
 
-    @fuzzed(150)
+    @fuzzed(30)
     @given(
         st.integers(3, 12).flatmap(
             lambda n: st.tuples(

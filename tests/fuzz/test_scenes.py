@@ -42,7 +42,7 @@ def survives(tmp_path):
 def test_values(name, survives):
     data = read(original(name)).data
 
-    @fuzzed(100)
+    @fuzzed(40)
     @given(broken(data))
     def check(changed):
         survives(json.dumps(changed).replace("NaN", ".nan").replace("Infinity", ".inf").encode())
@@ -52,7 +52,7 @@ def test_values(name, survives):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_bytes(name, survives):
-    @fuzzed(100)
+    @fuzzed(40)
     @given(broken_bytes(original(name).read_bytes(), SIGNS))
     def check(changed):
         survives(changed)
@@ -67,7 +67,7 @@ PATHS = st.lists(WORDS | st.text(max_size=5), min_size=1, max_size=4).map(".".jo
 def test_overrides(survives):
     content = original("tiny/splash").read_bytes()
 
-    @fuzzed(200)
+    @fuzzed(80)
     @given(PATHS, st.sampled_from(["1", "", "[", "{a: b}", "x", "1e-4", "10 mm"]) | st.text(max_size=10))
     def check(path, value):
         survives(content, f"{path}={value}")

@@ -70,7 +70,7 @@ def survives(tmp_path):
 
 
 def test_bytes(state, survives):
-    @fuzzed(150)
+    @fuzzed(30)
     @given(broken_bytes(state.read_bytes()))
     def check(changed):
         survives(changed)
@@ -83,7 +83,7 @@ def test_heads(state, survives):
         contents = {name: stored[name] for name in stored.files}
     head = json.loads(str(contents["meta"]))
 
-    @fuzzed(200)
+    @fuzzed(80)
     @given(broken(head))
     def check(changed):
         np.savez(survives.path, **{**contents, "meta": np.array(json.dumps(changed))})
@@ -100,7 +100,7 @@ def test_arrays(state, survives):
     with np.load(state) as stored:
         contents = {name: stored[name] for name in stored.files}
 
-    @fuzzed(200)
+    @fuzzed(80)
     @given(st.sampled_from(sorted(contents)), SHAPES, KINDS, st.sampled_from([0, 1, np.nan, np.inf, -1e30]))
     def check(name, shape, kind, value):
         with np.errstate(all="ignore"):

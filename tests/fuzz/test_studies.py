@@ -37,7 +37,7 @@ def test_studies(tmp_path):
     tmp_path.joinpath("fall.yaml").write_text(written(SCENE))
     path = tmp_path / "study.yaml"
 
-    @fuzzed(200)
+    @fuzzed(80)
     @given(broken(STUDY))
     def check(changed):
         path.write_text(written(changed))
@@ -53,7 +53,7 @@ def test_wedges(tmp_path):
     path = tmp_path / "fall.yaml"
     paths = st.sampled_from(["gravity", "fps", "rigid.bodies.ball.density", "rigid.max_step", "render", "a.b", ""])
 
-    @fuzzed(200)
+    @fuzzed(80)
     @given(st.dictionaries(paths | st.text(max_size=8), st.lists(VALUES, max_size=3), max_size=3))
     def check(wedge):
         path.write_text(written({**SCENE, "wedge": wedge}))
