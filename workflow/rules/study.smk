@@ -1,31 +1,3 @@
-def studies():
-    """Imported only for studies: films need nothing of it."""
-    from workflow.study.catalog import Studies
-
-    return Studies(Path(workflow.basedir))
-
-
-studies = cache(studies)
-
-
-def study(stage, name):
-    """A function of the wildcards: a field of the job that they mean."""
-    return lambda wildcards: studies().of(stage)(name)(wildcards)
-
-
-def study_repairs(stage):
-    return lambda wildcards: studies().repairs(stage)(wildcards)
-
-
-def study_plan(wildcards):
-    return studies().plan(wildcards.study)
-
-
-def trials_of_study(wildcards):
-    studies().job("study", wildcards)
-    return [job.folder for job in study_plan(wildcards).trials()]
-
-
 rule trial:
     input:
         films=lambda wildcards: list(study_plan(wildcards).inputs(wildcards.trial).values()),
