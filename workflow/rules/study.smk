@@ -1,6 +1,6 @@
 rule trial:
     input:
-        films=lambda wildcards: list(study_plan(wildcards).inputs(wildcards.trial).values()),
+        films=films_of_trial,
     output:
         folder=directory("results/studies/{study}/{trial}/{repeat}"),
     log:

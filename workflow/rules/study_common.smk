@@ -21,6 +21,12 @@ def study_plan(wildcards):
     return studies().plan(wildcards.study)
 
 
+def films_of_trial(wildcards):
+    """Folders of the film of the scene that a trial reads."""
+    studies().job("trial", wildcards)
+    return list(study_plan(wildcards).inputs(wildcards.trial).values())
+
+
 def trials_of_study(wildcards):
     studies().job("study", wildcards)
     return [job.folder for job in study_plan(wildcards).trials()]
