@@ -99,8 +99,9 @@ class Plan:
         return self._simulation(f"{self.results}/whole", Frames(0, self.scene.last_frame))
 
     def _simulate(self, index: int) -> Job:
+        frames = self.timeline.segment(index)
         upstream = (self.job("simulate", index - 1).plan,) if index else ()
-        return self._simulation(f"{self.results}/simulation/{index:03d}", self.timeline.segment(index), upstream)
+        return self._simulation(f"{self.results}/simulation/{index:03d}", frames, upstream)
 
     def _simulation(self, folder: str, frames: Frames, upstream: tuple[str, ...] = ()) -> Job:
         spec = self.scene.simulation.before(self.timeline.time(frames.last))
