@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import io
 import os
 import sys
@@ -35,6 +36,8 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
         device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
         wanted = device, threads or os.cpu_count() or 1
         if wanted != _running:
+            if _running:
+                _disown()
             with bound(wanted[1]):
                 ti.init(
                     arch=ti.cuda if device == "cuda" else ti.cpu,
@@ -53,6 +56,22 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                 launching.install()
             _running = wanted
     return device
+
+
+def _disown() -> None:
+    """Let no array that is still held free anything once Taichi starts anew, which frees all of them.
+
+    Taichi frees arrays by address, and what lies at that address by then may be another's.
+    """
+    from taichi.lang._ndarray import Ndarray
+    from taichi.lang.argpack import ArgPack
+
+    gc.collect()
+    for held in gc.get_objects():
+        if issubclass(type(held), Ndarray):
+            held.arr = None
+        elif issubclass(type(held), ArgPack):
+            held._ArgPack__argpack = None
 
 
 def compiled_kernels() -> list[str]:
