@@ -62,7 +62,7 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     from sim.preview import preview
     from workflow.document import SceneError
-    from workflow.scene import QUALITIES, load, load_combination
+    from workflow.scene import QUALITIES, combination_of, load
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
@@ -74,7 +74,7 @@ def _check(options: argparse.Namespace) -> int:
                 raise scene.error(refused) from None
             print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {summary}")
             for combination in scene.wedge:
-                load_combination(options.scene, combination.name, quality=quality)
+                combination_of(scene, combination.name)
             if scene.wedge:
                 print(f"{options.scene} ({quality}): {len(scene.wedge)} combinations, all valid")
     except SceneError as error:

@@ -1,53 +1,24 @@
-"""The scenes of the project by name: `scenes/tiny/splash.yaml` is `tiny/splash`.
+"""The films of the project by the names of their scenes, and of combinations of their wedges.
 
 `python -m workflow.catalog` lists them, and the studies, and says what to call.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from sim.settings import Refused
-from sim.similar import similar
 from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
-from workflow.plan import FILMS, Job, Plan
-from workflow.scene import QUALITIES, Scene, load, load_combination
+from workflow.plan import Job, Plan
+from workflow.scene import QUALITIES, Scene, combination_of, load
+from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.combinations import MARK, Combination, split
 from workflow.wedge.plan import wedge_job
 
-SCENES = "scenes"
-STUDIES = "studies"
-"""The folder beside the scenes that holds files of studies, which are none."""
 CONFIG_KEYS = ("quality",)
-
-
-def names(folder: Path = Path(SCENES)) -> list[str]:
-    """Names of all scenes, sorted."""
-    paths = (path.relative_to(folder).with_suffix("") for path in folder.rglob("*.yaml"))
-    return sorted(path.as_posix() for path in paths if path.parts[0] != STUDIES)
-
-
-def find(name: str, folder: Path = Path(SCENES)) -> Path:
-    """The file of a scene; raises SceneError, with the names that are close, where there is none."""
-    path = folder / f"{name}.yaml"
-    known = names(folder)
-    if name not in known:
-        close = similar(name, known, most=3)
-        close += [other for other in known if other.endswith(f"/{name}") or name.startswith(f"{other}/")]
-        hint = " or ".join(f"{FILMS}/{other}" for other in dict.fromkeys(close))
-        fix = f"did you mean {hint}?" if hint else f"the scenes are {', '.join(known) or 'none yet'}"
-        raise SceneError([f"there is no scene '{name}': no file {path}\n  fix: {fix}"])
-    if (folder / name).is_dir():
-        raise SceneError(
-            [
-                f"{path} and the folder {folder / name}/ have the same name: their films would be written "
-                f"into one another\n  fix: rename one of them"
-            ]
-        )
-    return path
 
 
 class Catalog(JobLookup):
@@ -91,10 +62,10 @@ class Catalog(JobLookup):
         return {film: (found, self.plan(film)) for film, found in films.items()}
 
     def _load(self, name: str, quality: str | None) -> Scene:
-        name, combination = split(name)
+        base, combination = split(name)
         if combination:
-            return load_combination(find(name), combination, quality=quality)
-        return load(find(name), quality=quality)
+            return combination_of(self.plan(base, quality).scene, combination)
+        return load(SCENE_FILES.find(base), quality=quality)
 
     def find(self, stage: str, wildcards: Any) -> Job:
         """Wildcards: scene, quality, and the number of the part."""
@@ -118,29 +89,27 @@ class Catalog(JobLookup):
 def main() -> None:
     print("Make the film of a scene with")
     print("\n  snakemake --cores all renders/NAME [--config quality=draft|standard|final]\n")
-    known = names()
+    _list(SCENE_FILES, _seen)
+    if STUDY_FILES.names():
+        print("\nMeasure what accuracy costs with\n\n  snakemake --cores all studies/NAME\n")
+        _list(STUDY_FILES, lambda path: read(path).data.get("description", ""))
+
+
+def _list(shelf: Shelf, tell: Callable[[Path], str]) -> None:
+    known = shelf.names()
     width = max(map(len, known), default=0)
-    print("Scenes:" if known else f"There is no scene in {SCENES}/ yet.")
+    print(f"{shelf.plural.capitalize()}:" if known else f"There is no {shelf.noun} in {shelf.folder}/ yet.")
     for name in known:
         try:
-            scene = load(find(name))
-            about = scene.document.data.get("description") or f"{scene.duration:g} s, {scene.last_frame + 1} frames"
+            about = tell(shelf.find(name))
         except SceneError as error:
             about = f"refused: {error.problems[0].splitlines()[0]}"
-        print(f"  {FILMS}/{name:<{width}}  {' '.join(str(about).split())}")
-    studies = sorted(Path(SCENES, STUDIES).glob("*.yaml"))
-    if studies:
-        print("\nMeasure what accuracy costs with\n\n  snakemake --cores all studies/NAME\n\nStudies:")
-        width = max(len(path.stem) for path in studies)
-        for path in studies:
-            print(f"  {STUDIES}/{path.stem:<{width}}  {_about(path)}")
+        print(f"  {shelf.target}/{name:<{width}}  {' '.join(str(about).split())}")
 
 
-def _about(study: Path) -> str:
-    try:
-        return " ".join(str(read(study).data.get("description", "")).split())
-    except SceneError as error:
-        return f"refused: {error.problems[0].splitlines()[0]}"
+def _seen(path: Path) -> str:
+    scene = load(path)
+    return scene.document.data.get("description") or f"{scene.duration:g} s, {scene.last_frame + 1} frames"
 
 
 if __name__ == "__main__":

@@ -5,13 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from sim.explain import Line
+from sim.files import FLUID_POINT
 from workflow.memory import estimate, particles
 from workflow.plan import FILMS
 from workflow.scene import Scene
 from workflow.summaries import read
-
-PARTICLE_BYTES = 32
-"""Of a particle in fluid_00042.ply: eight values of four bytes."""
 
 
 def costs(scene: Scene) -> list[Line]:
@@ -21,7 +19,7 @@ def costs(scene: Scene) -> list[Line]:
     found = [Line("memory", f"at most about {memory}")]
     count, frames = particles(scene), scene.last_frame + 1
     if count:
-        each = count * PARTICLE_BYTES / 1e6
+        each = count * FLUID_POINT.itemsize / 1e6
         found.append(
             Line("files", f"{frames} of up to {each:.3g} MB with particles, {frames * each / 1000:.3g} GB in all")
         )

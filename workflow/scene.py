@@ -82,7 +82,7 @@ class Scene:
 
 def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (), root: Path | None = None) -> Scene:
     """Load the scene at `path`; `root` (default: the working directory) bounds what it may write. The values of its
-    wedge are not looked at: `load_combination` does.
+    wedge are not looked at: `combination_of` does.
 
     Raises SceneError, whose text names file, line, field and remedy of every problem.
     """
@@ -109,20 +109,19 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
     return Scene(**{**vars(scene), "assets": digests})
 
 
-def load_combination(path: Path, name: str, *, quality: str | None = None) -> Scene:
-    """Load the scene at `path` at one combination of its wedge; raises SceneError."""
-    scene = load(path, quality=quality)
+def combination_of(scene: Scene, name: str) -> Scene:
+    """The scene at one combination of its wedge; raises SceneError."""
     known = {combination.name: combination for combination in scene.wedge}
     if name not in known:
         fix = suggestion(name, known) if known else "give the scene a `wedge:`, or leave out what follows the @"
-        raise SceneError([f"{path}: its wedge has no combination '{name}'\n  fix: {fix}"])
+        raise SceneError([f"{scene.path}: its wedge has no combination '{name}'\n  fix: {fix}"])
     try:
-        found = load(path, quality=quality, overrides=known[name].overrides)
+        found = load(scene.path, quality=scene.quality, overrides=known[name].overrides)
     except SceneError as error:
         mark = scene.document.mark(("wedge",))
         where = f"{mark.source}:{mark.line}: wedge: "
         raise SceneError([problem.replace("--set ", where, 1) for problem in error.problems]) from None
-    return replace(found, name=f"{found.name}{MARK}{name}", wedge=())
+    return replace(found, name=f"{found.name}{MARK}{name}")
 
 
 def name_of(path: Path) -> str:

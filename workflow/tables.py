@@ -1,11 +1,12 @@
-"""Tables of the segments (steps.csv, bodies.csv, probes.csv) as tables of the film."""
+"""Tables as CSV files; those of the segments (steps.csv, bodies.csv, probes.csv) as tables of the film."""
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 TABLES = ("steps.csv", "probes.csv", "bodies.csv")
 
@@ -29,6 +30,14 @@ def concatenate(parts: Sequence[Path], whole: Path) -> bool:
             with part.open(newline="", encoding="utf-8") as file:
                 writer.writerows(csv.DictReader(file))
     return True
+
+
+def write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write rows that all have the columns of the first; None is empty."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
 
 
 def numbers(table: Path, columns: Iterable[str]) -> dict[str, list[float]]:

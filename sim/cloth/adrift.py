@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import taichi as ti
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sim.cloth.collision import Known
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.search import PLANE
+from sim.groups import groups
 
 
 class Adrift:
@@ -21,7 +20,7 @@ class Adrift:
 
     def __init__(self, mesh: ClothMesh):
         self._count, self._mass = mesh.count, mesh.mass
-        self._pieces, self._piece = _joined(mesh.ends[:, 0], mesh.ends[:, 1], mesh.count)
+        self._pieces, self._piece = groups(mesh.ends[:, 0], mesh.ends[:, 1], mesh.count)
         self._held = np.isin(np.arange(self._pieces), self._piece[mesh.held])
         self.free = 1.0 - self._held[self._piece]
 
@@ -35,7 +34,7 @@ class Adrift:
             return None
         system, between = self._piece, corners[~others]
         if self._pieces > 1 and len(between):
-            count, found = _joined(*(self._piece[between[:, k]] for k in (0, 3)), self._pieces)
+            count, found = groups(*(self._piece[between[:, k]] for k in (0, 3)), self._pieces)
             fixed, system = np.isin(np.arange(count), found[fixed]), found[self._piece]
         mass = np.bincount(system, self._mass)[:, None]
         total = np.column_stack([np.bincount(system, one) for one in force.to_numpy().T])
@@ -44,8 +43,3 @@ class Adrift:
     def _of(self, corners: np.ndarray) -> np.ndarray:
         """Pieces that points of contacts belong to."""
         return np.unique(self._piece[corners[(corners >= 0) & (corners < self._count)]])
-
-
-def _joined(one: np.ndarray, other: np.ndarray, count: int) -> tuple[int, np.ndarray]:
-    """How many groups `count` members form where one belongs to the other, and the group of each."""
-    return connected_components(coo_array((np.ones(len(one)), (one, other)), shape=(count, count)), directed=False)

@@ -180,7 +180,7 @@ class Collisions:
             return 0, 0
         begin, there = start.to_numpy(), place.to_numpy()
         speed = velocity.to_numpy() if velocity else np.zeros_like(there)
-        zones, joined = Zones.none(self._free_mass(begin)), np.zeros(self.mesh.total, bool)
+        zones, joined = Zones(self._free_mass(begin)), np.zeros(self.mesh.total, bool)
         for _ in range(HALVINGS):
             zone = zones.add(self.narrow)
             inside = (zone >= 0) & (zones.mass > 0)

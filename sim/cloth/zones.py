@@ -6,11 +6,11 @@ momentum. A zone that a solid, a held point or a plane is part of goes where tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+
+from sim.groups import groups
 
 
 @dataclass
@@ -19,11 +19,7 @@ class Zones:
     those that are fixed to something, shape [points]."""
 
     mass: np.ndarray
-    pairs: np.ndarray
-
-    @classmethod
-    def none(cls, mass: np.ndarray) -> Zones:
-        return cls(mass, np.zeros((0, 4), np.int32))
+    pairs: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.int32))
 
     def add(self, pairs: np.ndarray) -> np.ndarray:
         """Let pairs belong together; returns the number of its zone for each point, -1 outside of those that one of
@@ -31,8 +27,7 @@ class Zones:
         self.pairs = np.unique(np.concatenate([self.pairs, pairs]), axis=0)
         first, other = np.repeat(self.pairs[:, 0], 3), self.pairs[:, 1:].ravel()
         both = (first >= 0) & (other >= 0)
-        links = np.ones(both.sum()), (first[both], other[both])
-        _, zone = connected_components(coo_array(links, shape=2 * (len(self.mass),)), directed=False)
+        _, zone = groups(first[both], other[both], len(self.mass))
         chosen = np.isin(zone, zone[pairs[pairs >= 0]])
         return np.where(chosen, zone, -1)
 

@@ -7,9 +7,8 @@ from typing import Self
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from sim.groups import groups
 from sim.settings import Refused
 
 
@@ -110,8 +109,7 @@ def components(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], int]:
     counts = np.bincount(edge_of, minlength=len(edges))
     start = (np.cumsum(counts) - counts)[counts == 2]
     a, b = face_of[order[start]], face_of[order[start + 1]]
-    size = len(mesh.faces)
-    number, label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(size, size)), directed=False)
+    number, label = groups(a, b, len(mesh.faces))
     if number == 1:
         return [mesh], 1
     sizes = np.bincount(label)
@@ -161,8 +159,7 @@ def _edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _groups(edges: np.ndarray, size: int) -> int:
     if len(edges) == 0:
         return 0
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(size, size))
-    _, label = connected_components(graph, directed=False)
+    _, label = groups(edges[:, 0], edges[:, 1], size)
     return len(np.unique(label[edges[:, 0]]))
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sim.settings import Refused
 from tests.fuzz.mutations import VALUES, broken, fuzzed
 from workflow.document import SceneError
-from workflow.scene import load, load_combination
+from workflow.scene import combination_of, load
 from workflow.study.formula import FUNCTIONS, evaluate
 from workflow.study.load import load_study
 
@@ -58,8 +58,9 @@ def test_wedges(tmp_path):
     def check(wedge):
         path.write_text(written({**SCENE, "wedge": wedge}))
         try:
-            for combination in load(path, root=tmp_path).wedge:
-                assert load_combination(path, combination.name).name == f"fall@{combination.name}"
+            scene = load(path, root=tmp_path)
+            for combination in scene.wedge:
+                assert combination_of(scene, combination.name).name == f"fall@{combination.name}"
         except SceneError as error:
             assert str(error)
 

@@ -7,13 +7,8 @@ import json
 
 import pytest
 
-SCENE = """\
-duration: 0.5
-fps: 4
-rigid:
-  bodies:
-    ball: {shape: {type: sphere, radius: 0.1}, motion: dynamic, position: [0, 1, 0]}
-"""
+from tests import falling_ball
+
 STUDY = """\
 description: How exact is free fall?
 scene: ../fall.yaml
@@ -33,7 +28,7 @@ def study(fresh):
     folder = fresh.folder / "scenes" / "studies"
     folder.mkdir()
     folder.joinpath("fall.yaml").write_text(STUDY)
-    folder.with_name("fall.yaml").write_text(SCENE)
+    folder.with_name("fall.yaml").write_text(falling_ball.scene(0.5))
     return fresh
 
 

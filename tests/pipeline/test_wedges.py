@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import csv
 
-SCENE = """\
-duration: 0.25
-fps: 4
-rigid:
-  bodies:
-    ball: {shape: {type: sphere, radius: 0.2}, motion: dynamic, position: [0, 1, 0]}
+from tests import falling_ball
+
+SCENE = falling_ball.scene(
+    0.25,
+    """\
 wedge:
   rigid.bodies.ball.position: [[0, 1, 0], [0, 2, 0]]
 render:
   resolution: [65, 49]
   samples: 1
-"""
+""",
+)
 TARGET = "wedges/ball"
 
 

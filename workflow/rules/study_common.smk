@@ -1,11 +1,9 @@
+@cache
 def studies():
     """Imported only for studies: films need nothing of it."""
     from workflow.study.catalog import Studies
 
     return Studies(Path(workflow.basedir))
-
-
-studies = cache(studies)
 
 
 def study(stage, name):

@@ -10,13 +10,13 @@ exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as th
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from sim.settings import Refused
+from workflow import tables
 from workflow.stage import exit_code, write_json
 from workflow.study import measure
 from workflow.study.plot import draw
@@ -46,8 +46,8 @@ def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> li
     ]
     best = front(points)
     paths = study.paths()
-    _write(out / "trials.csv", _rows_of_trials(points, paths))
-    _write(out / "points.csv", _rows_of_points(points, best, paths))
+    tables.write(out / "trials.csv", [_rounded(row) for row in _rows_of_trials(points, paths)])
+    tables.write(out / "points.csv", [_rounded(row) for row in _rows_of_points(points, best, paths)])
     write_json(out / "summary.json", _summary(spec["name"], study, points, best))
     draw(study, points, spec["name"], out)
     return points
@@ -71,7 +71,7 @@ def _rows_of_trials(points: Iterable[Point], paths: Sequence[str]) -> list[dict[
         {"trial": point.name}
         | {path: point.chosen.get(path) for path in paths}
         | {"repeat": k, "status": outcome.status, "value": outcome.value, "error": outcome.error, "cost": outcome.cost}
-        | {key: (outcome.figures or {}).get(key) for key in FIGURES}
+        | {key: outcome.figures.get(key) for key in FIGURES}
         for point in points
         for k, outcome in enumerate(point.outcomes)
     ]
@@ -88,22 +88,13 @@ def _rows_of_points(points: Iterable[Point], best: Sequence[Point], paths: Seque
     ]
 
 
-def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({key: _cell(value) for key, value in row.items()} for row in rows)
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return "" if value is None else value
+def _rounded(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: f"{value:.6g}" if isinstance(value, float) else value for key, value in row.items()}
 
 
 def _summary(name: str, study: Study, points: Sequence[Point], best: Sequence[Point]) -> dict[str, Any]:
     statuses = [point.status for point in points]
-    devices = {str((outcome.figures or {}).get("device")) for point in points for outcome in point.outcomes}
+    devices = {str(outcome.figures.get("device")) for point in points for outcome in point.outcomes}
     return {
         "name": name,
         "description": study.description,

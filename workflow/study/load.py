@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
-import json
-import math
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -15,6 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from sim.settings import Refused, canonical_json
+from workflow import grid
 from workflow.document import Document, SceneError, read
 from workflow.problems import explain
 from workflow.scene import Scene, load
@@ -40,7 +38,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class LoadedStudy:
-    """A valid study with its trials; the last one is the reference where a trial is."""
+    """A valid study with its trials; `truth` is the one that all are compared with, where the reference is a trial."""
 
     name: str
     path: Path
@@ -73,22 +71,17 @@ def _check(study: Study, folder: Path) -> None:
         measure.truth(study.reference, study.quantity, study.scale, folder)
     elif study.scale is not None:
         formula.evaluate(study.scale)
-    count = sum(math.prod(len(values) for values in grid.values()) for grid in study.grids)
-    if count > MOST_TRIALS:
-        raise Refused(
-            f"{count:,} trials", location=("grids",), remedy=f"leave values out until there are {MOST_TRIALS:,} at most"
-        )
+    grid.refuse_more(MOST_TRIALS, study.grids, "trials", ("grids",))
 
 
 def _trials(study: Study, folder: Path, document: Document) -> Iterator[Trial]:
-    for index, grid in enumerate(study.grids):
-        for values in itertools.product(*grid.values()):
-            chosen = dict(zip(grid, values, strict=True))
+    for index, values in enumerate(study.grids):
+        for chosen in grid.combinations(values):
             yield _trial(study, folder, chosen, document, ("grids", index))
 
 
 def _trial(study: Study, folder: Path, chosen: Mapping[str, Any], document: Document, location: tuple) -> Trial:
-    overrides = tuple(f"{path}={json.dumps(value)}" for path, value in {**study.set, **chosen}.items())
+    overrides = grid.overrides({**study.set, **chosen})
     try:
         scene = load(Path(os.path.normpath(folder / study.scene)), quality=study.quality, overrides=overrides)
     except SceneError as error:

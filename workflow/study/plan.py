@@ -11,9 +11,9 @@ from typing import Any
 
 from sim.settings import canonical_json
 from workflow import sources
-from workflow.catalog import STUDIES
 from workflow.plan import ENTRY, RESULTS, Job, Plan, versions
 from workflow.scene import Scene
+from workflow.shelf import STUDIES
 from workflow.study.load import LoadedStudy, Trial
 from workflow.study.spec import ByTable
 from workflow.study.trial import RUN
@@ -34,6 +34,7 @@ class StudyPlan:
         self._root = root
         self._trials = {trial.name: trial for trial in [*loaded.trials, *([loaded.truth] if loaded.truth else [])]}
         self._plans: dict[str, Plan] = {}
+        self._jobs: dict[str, Job] = {}
 
     def scene(self, name: str) -> Scene:
         """The scene at a trial's settings; raises KeyError."""
@@ -44,10 +45,8 @@ class StudyPlan:
         trial = self._trials[name]
         if not 0 <= repeat < self._repeats(trial):
             raise IndexError(f"there is no repeat {repeat} of {self._repeats(trial)}")
-        job = self._stage_job(name)
-        code = hashlib.sha256(f"{job.code} {self._trial_code}".encode()).hexdigest()
         folder = f"{RESULTS}/{STUDIES}/{self.loaded.name}/{name}/{repeat}"
-        return replace(job, stage="trial", folder=folder, frames=self._frames(trial.scene), code=f"code {code[:32]}")
+        return replace(self._of_all_repeats(name), folder=folder)
 
     def trials(self) -> list[Job]:
         return [self.trial(name, k) for name, trial in self._trials.items() for k in range(self._repeats(trial))]
@@ -93,6 +92,14 @@ class StudyPlan:
         if name not in self._plans:
             self._plans[name] = Plan(self._trials[name].scene, self._root)
         return self._plans[name]
+
+    def _of_all_repeats(self, name: str) -> Job:
+        if name not in self._jobs:
+            job = self._stage_job(name)
+            code = hashlib.sha256(f"{job.code} {self._trial_code}".encode()).hexdigest()
+            frames = self._frames(self._trials[name].scene)
+            self._jobs[name] = replace(job, stage="trial", frames=frames, code=f"code {code[:32]}")
+        return self._jobs[name]
 
     def _stage_job(self, name: str) -> Job:
         """The job of the film that does what a trial measures."""

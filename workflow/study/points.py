@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from workflow.study.spec import Overrides
@@ -21,7 +21,7 @@ class Outcome:
     cost: float | None
     value: float | None = None
     error: float | None = None
-    figures: Mapping[str, Any] | None = None
+    figures: Mapping[str, Any] = field(default_factory=dict)
     message: str = ""
 
 

@@ -55,11 +55,8 @@ def _of_surface(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_picture(summary: Mapping[str, Any]) -> dict[str, Any]:
-    return {"cost": sum(summary["wall_s_per_frame"]) / len(summary["wall_s_per_frame"]), **_device(summary)}
-
-
-def _device(summary: Mapping[str, Any]) -> dict[str, Any]:
-    return {"device": str(summary["device"]["kind"]).lower()}
+    seconds = summary["wall_s_per_frame"]
+    return {"cost": sum(seconds) / len(seconds), "device": summary["device"]["kind"].lower()}
 
 
 KINDS = {

@@ -9,13 +9,13 @@ exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as th
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from workflow import tables
 from workflow.contact_sheet import Cell, chosen, draw_sheet
 from workflow.stage import exit_code, write_whole
 from workflow.summaries import read
@@ -33,10 +33,7 @@ def report(spec: Mapping[str, Any], out: Path) -> None:
     films = spec["films"]
     summaries = [read(Path(film["folder"])) for film in films]
     rows = [_row(film, summary) for film, summary in zip(films, summaries, strict=True)]
-    with (out / "table.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    tables.write(out / "table.csv", rows)
     few = len(films) <= FEW
     wanted = STRIP if few else 1
     cells = [cell for film, summary in zip(films, summaries, strict=True) for cell in _cells(film, summary, wanted)]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sim.settings import Refused
+from workflow import grid
 
 MARK = "@"
 """Between the name of a scene and that of a combination."""
@@ -29,8 +27,8 @@ class Combination:
 
     @property
     def overrides(self) -> tuple[str, ...]:
-        """As `load` takes them; the copy of the film that a scene asks for is of the scene itself."""
-        return (*(f"{path}={json.dumps(value)}" for path, value in self.chosen.items()), "film.copy_to=null")
+        """As `load` takes them; the copy of the film that a scene asks for, and the wedge, are of the scene itself."""
+        return grid.overrides({**self.chosen, "film.copy_to": None, "wedge": {}})
 
 
 def split(name: str) -> tuple[str, str]:
@@ -43,15 +41,10 @@ def combinations(wedge: Mapping[str, Sequence[Any]]) -> list[Combination]:
     """All combinations in order, the last path varying fastest; raises Refused where there are too many."""
     if not wedge:
         return []
-    count = math.prod(len(values) for values in wedge.values())
-    if count > MOST:
-        raise Refused(
-            f"{count:,} combinations", location=("wedge",), remedy=f"leave values out until there are {MOST:,} at most"
-        )
+    grid.refuse_more(MOST, [wedge], "combinations", ("wedge",))
     labels = _labels(list(wedge))
     found = {}
-    for values in itertools.product(*wedge.values()):
-        chosen = dict(zip(wedge, values, strict=True))
+    for chosen in grid.combinations(wedge):
         name = ",".join(f"{labels[path]}={_word(value)}" for path, value in chosen.items())
         if name in found or len(name) > LONGEST:
             digest = hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:8]

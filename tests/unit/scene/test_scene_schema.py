@@ -8,9 +8,9 @@ import jsonschema
 import pytest
 
 from workflow import schema
-from workflow.catalog import SCENES, STUDIES
 from workflow.document import parse, read
 from workflow.scene import load
+from workflow.shelf import SCENE_FILES
 
 
 @pytest.fixture(scope="module")
@@ -27,8 +27,7 @@ def test_the_committed_files_are_up_to_date(project):
 
 
 def test_every_scene_names_the_schema_and_fits_it(project, validator):
-    studies = project / SCENES / STUDIES
-    scenes = sorted(path for path in (project / SCENES).rglob("*.yaml") if studies not in path.parents)
+    scenes = [project / SCENE_FILES.folder / f"{name}.yaml" for name in SCENE_FILES.names(project)]
     assert scenes
     for path in scenes:
         first = path.read_text().splitlines()[0]

@@ -8,21 +8,15 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from tests import falling_ball
 from workflow.document import SceneError, read
 from workflow.plan import ENTRY
+from workflow.shelf import STUDY_FILES
 from workflow.study import schema
-from workflow.study.catalog import names
 from workflow.study.load import load_study
 from workflow.study.plan import StudyPlan
 
 ROOT = Path(__file__).resolve().parents[3]
-SCENE = """\
-duration: 1
-fps: 4
-rigid:
-  bodies:
-    ball: {shape: {type: sphere, radius: 0.1}, motion: dynamic, position: [0, 1, 0]}
-"""
 STUDY = """\
 description: How exact is free fall?
 scene: ../fall.yaml
@@ -40,22 +34,17 @@ repeats: 2
 def loaded(tmp_path, monkeypatch):
     """Loads the study with parts of its text replaced."""
     folder = tmp_path / "scenes" / "studies"
-    folder.mkdir(parents=True)
     monkeypatch.chdir(tmp_path)
 
     def load(*replaced: tuple[str, str]):
-        text = STUDY
-        for old, new in replaced:
-            assert old in text
-            text = text.replace(old, new)
-        folder.joinpath("fall.yaml").write_text(text)
-        folder.parent.joinpath("fall.yaml").write_text(SCENE)
-        return load_study(folder / "fall.yaml", "fall")
+        path = falling_ball.written(folder / "fall.yaml", STUDY, *replaced)
+        folder.parent.joinpath("fall.yaml").write_text(falling_ball.scene(1))
+        return load_study(path, "fall")
 
     return load
 
 
-@pytest.mark.parametrize("name", names(ROOT / "scenes" / "studies"))
+@pytest.mark.parametrize("name", STUDY_FILES.names(ROOT))
 def test_the_studies_of_the_project_load(name, monkeypatch):
     monkeypatch.chdir(ROOT)
     assert load_study(Path("scenes", "studies", f"{name}.yaml"), name).trials

@@ -10,22 +10,21 @@ import pytest
 from PIL import Image
 
 from sim.settings import Refused
+from tests import falling_ball
 from workflow.document import SceneError
-from workflow.scene import load, load_combination
+from workflow.scene import combination_of, load
 from workflow.wedge.__main__ import main
 from workflow.wedge.combinations import combinations, split
 
-SCENE = """\
-duration: 0.5
-fps: 4
-rigid:
-  bodies:
-    ball: {shape: {type: sphere, radius: 0.1}, motion: dynamic, position: [0, 1, 0]}
+SCENE = falling_ball.scene(
+    0.5,
+    """\
 film: {copy_to: gallery/ball.mp4}
 wedge:
   rigid.bodies.ball.restitution: [0, 0.5]
   gravity: [[0, -9.81, 0], [0, -1.62, 0]]
-"""
+""",
+)
 
 
 @pytest.fixture
@@ -33,17 +32,7 @@ def scene(tmp_path, monkeypatch):
     """Writes a scene file with parts of its text replaced."""
     monkeypatch.chdir(tmp_path)
 
-    def write(*replaced: tuple[str, str]) -> Path:
-        text = SCENE
-        for old, new in replaced:
-            assert old in text
-            text = text.replace(old, new)
-        path = tmp_path / "scenes" / "ball.yaml"
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text)
-        return path
-
-    return write
+    return lambda *replaced: falling_ball.written(tmp_path / "scenes" / "ball.yaml", SCENE, *replaced)
 
 
 def test_every_combination_is_a_scene(scene):
@@ -52,7 +41,7 @@ def test_every_combination_is_a_scene(scene):
     names = [found.name for found in whole.wedge]
     assert names[:2] == ["restitution=0,gravity=0_-9.81_0", "restitution=0,gravity=0_-1.62_0"]
     assert len(names) == 4
-    moon = load_combination(path, names[3])
+    moon = combination_of(whole, names[3])
     assert moon.name == f"ball@{names[3]}"
     assert split(moon.name) == ("ball", names[3])
     assert moon.simulation.gravity == (0, -1.62, 0)
@@ -88,16 +77,16 @@ def test_what_is_no_wedge_is_refused(scene, old, new, words):
 def test_a_value_that_does_not_fit_is_named_with_its_line(scene):
     path = scene(("[0, 0.5]", "[0, 5]"))
     with pytest.raises(SceneError, match=r"ball.yaml:7: wedge: rigid.bodies.ball.restitution=5: .* at most 1"):
-        load_combination(path, load(path).wedge[2].name)
+        combination_of(load(path), load(path).wedge[2].name)
 
 
 def test_a_combination_that_is_not_there_is_named(scene):
     path = scene()
     with pytest.raises(SceneError, match=r"did you mean 'restitution=0,gravity=0_-1\.62_0'"):
-        load_combination(path, "restitution=0,gravity=0_-1.6_0")
+        combination_of(load(path), "restitution=0,gravity=0_-1.6_0")
     path = scene((SCENE[SCENE.index("wedge:") :], ""))
     with pytest.raises(SceneError, match="give the scene a `wedge:`"):
-        load_combination(path, "gravity=1")
+        combination_of(load(path), "gravity=1")
 
 
 def test_too_many_are_refused():
