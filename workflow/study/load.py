@@ -57,11 +57,11 @@ def load_study(path: Path, name: str) -> LoadedStudy:
     try:
         _check(study, path.parent)
         trials = {trial.name: trial for trial in _trials(study, path.parent, document)}
+        truth = None
+        if isinstance(study.reference, ByTrial):
+            truth = _trial(study, path.parent, study.reference.set, document, ("reference", "set"))
     except Refused as refused:
         raise SceneError([document.problem(refused.location, refused.message, refused.remedy)]) from None
-    truth = None
-    if isinstance(study.reference, ByTrial):
-        truth = _trial(study, path.parent, study.reference.set, document, ("reference", "set"))
     return LoadedStudy(name, path, study, tuple(trials.values()), truth)
 
 
@@ -87,4 +87,12 @@ def _trial(study: Study, folder: Path, chosen: Mapping[str, Any], document: Docu
     except SceneError as error:
         mark = document.mark(location)
         raise SceneError([f"{mark.source}:{mark.line}: {problem}" for problem in error.problems]) from None
+    if study.frame is not None and study.frame > scene.last_frame:
+        raise Refused(
+            f"{study.scene} has no frame {study.frame}", location=("frame",), remedy=f"at most {scene.last_frame}"
+        )
+    if study.stage == "reconstruct" and scene.simulation.fluid is None:
+        raise Refused(
+            f"{study.scene} has no fluid, so no surface", location=("scene",), remedy="name a scene with a fluid"
+        )
     return Trial(dict(chosen), overrides, scene)

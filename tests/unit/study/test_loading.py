@@ -120,6 +120,25 @@ def test_what_is_wrong_is_named(loaded, old, new, words):
     assert any(word in str(error.value) for word in words.split("|")), str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("quantity", "more", "words"),
+    [
+        ("{name: shape, table: picture}", "stage: render\nframe: 5", "has no frame 5.*at most 4"),
+        ("{name: volume, table: surface, column: volume}", "stage: reconstruct", "has no fluid"),
+    ],
+)
+def test_a_frame_or_a_surface_that_is_not_there_is_refused(loaded, quantity, more, words):
+    """Only after hours of simulation it would have been missed."""
+    path = "surface.cube_size" if "reconstruct" in more else "render.samples"
+    grids = STUDY[STUDY.index("grids:") : STUDY.index("quantity:")]
+    lines = STUDY[STUDY.index("quantity:") : STUDY.index("repeats: 2")]
+    trial = f"reference: {{type: trial, set: {{{path}: 2}}}}"
+    with pytest.raises(SceneError, match=f"(?s)fall.yaml:.*{words}"):
+        loaded(
+            (grids, f"grids: [{{{path}: [1]}}]\n"), (lines, f"quantity: {quantity}\n{trial}\n"), ("repeats: 2", more)
+        )
+
+
 def test_films_know_nothing_of_studies():
     """Code of studies repeats no stage of a film."""
     from workflow.sources import closure
