@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
+from tests.in_time import in_time
 from tests.particles import read_table
 
 SOLVERS = ("wcsph", "pcisph", "iisph", "dfsph")
 INCOMPRESSIBLE = SOLVERS[1:]
 ITERATIVE = ("iisph", "dfsph")
-STRESSED = ("wcsph", "dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("pcisph", "iisph")))
+STRESSED = ("wcsph", "dfsph", *in_time("pcisph", "iisph"))
 """For the extremes, of which there are many: the two that share their parts with these only where there is time."""
 
 

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from sim.cloth.part import ClothPart
 from sim.segment import main
 from tests.cloths import HANGING, INTEGRATORS, G, part, passages, places, rope, scene, sheet, step
+from tests.in_time import in_time
 from tests.meshes import write
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken, failure
@@ -40,7 +41,7 @@ def square(**settings):
 
 
 def decades(fast, slow):
-    return [*fast, *(pytest.param(value, marks=pytest.mark.slow) for value in slow)]
+    return [*fast, *in_time(*slow)]
 
 
 def affordable(made, dt, steps):
@@ -246,7 +247,7 @@ ORDER = pytest.mark.xfail(reason="4 % above the bound, which holds for one order
 
 
 @pytest.mark.parametrize(
-    ("dt", "stiffness"), [(1e-3, 1e4), (1e-3, 1e8), pytest.param(1 / 30, 1e4, marks=ORDER), (1 / 30, 1e8)]
+    ("dt", "stiffness"), [(1e-3, 1e4), *in_time((1e-3, 1e8)), pytest.param(1 / 30, 1e4, marks=ORDER), (1 / 30, 1e8)]
 )
 def test_xpbd_is_softer_the_longer_its_steps(dt, stiffness):
     """What one sweep in a substep of h leaves, less than N^2 / 2 g h^2 for N springs, and a third of what is asked."""

@@ -13,6 +13,7 @@ import pytest
 from sim import segment
 from sim.settings import Refused
 from sim.spec import SimulationSpec
+from tests.in_time import in_time
 from tests.particles import read_frame, read_table
 from tests.solvers import ITERATIVE, SOLVERS, STRESSED
 from tests.stress.scenes import assert_nothing_broken, contents, failure, finish, make_faults, pool, run_segment
@@ -32,7 +33,7 @@ EVENTS = [
 SCENE = pool(fluid__emitters={"tap": TAP}, fluid__drains={"sink": SINK}, events=EVENTS)
 """Within frames, and at those at which the run is cut."""
 LAST = 28
-CUTS = (11, 18, *(pytest.param(frame, marks=pytest.mark.slow) for frame in (6, 22)))
+CUTS = (11, *in_time(6, 18, 22))
 """While it is stopped; at events; with particles in the nozzle and part of a layer due."""
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.floating import RHO, pool, track
+from tests.in_time import in_time
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
 
@@ -24,8 +25,9 @@ def counts(out) -> dict[str, int]:
     return json.loads((out / "summary.json").read_text())["counts"]
 
 
-@pytest.mark.parametrize("ratio", [0.01, pytest.param(0.05, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in LATER)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.01, 0.05])
+@pytest.mark.parametrize("solver", ["dfsph", *LATER])
 def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
     """Its mass is a fortieth of the layer of fluid next to it: taken turns at, the two would throw it about."""
     out = simulate(scene(solver, ratio), 45, threads=2)
@@ -37,8 +39,9 @@ def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
     assert counts(out)["retries"] == 0
 
 
-@pytest.mark.parametrize("ratio", [pytest.param(2.0, marks=pytest.mark.slow), 100.0])
-@pytest.mark.parametrize("solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in LATER)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [2.0, 100.0])
+@pytest.mark.parametrize("solver", ["dfsph", *LATER])
 def test_a_heavy_body_sinks_to_the_ground_and_rests_there(simulate, solver, ratio):
     """What it squeezes out at last has no room and is taken out; that is counted, and less than half a layer."""
     if solver == "wcsph" and ratio == 2.0:
@@ -60,9 +63,7 @@ def test_a_thin_light_plate_comes_up(simulate, solver):
     assert track(out, "y")[-1] > 0.25
 
 
-@pytest.mark.parametrize(
-    "solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("wcsph", "iisph", "pcisph"))]
-)
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iisph", "pcisph")])
 def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     """The water that was in its place is left out: it begins near its draft, and no faster than it could fall."""
     out = simulate(scene(solver, 0.5, height=0.3), 20, threads=2)
@@ -72,7 +73,7 @@ def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
 
 
 @pytest.mark.parametrize("height", [0.3, 0.05], ids=["afloat", "on the ground"])
-@pytest.mark.parametrize("solver", ["wcsph", "dfsph"])
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph")])
 def test_the_same_bytes_again_and_resumed(simulate, solver, height):
     def bytes_of(out):
         with np.load(out / "state_00006.npz") as state:

@@ -12,6 +12,7 @@ import trimesh
 
 from sim.obstacles import find_obstacles
 from sim.spec import SimulationSpec
+from tests.in_time import in_time
 from tests.particles import positions, read_frame
 from tests.sharp_bodies import SPACING, TOP, export, sharp_bodies
 from tests.solvers import STRESSED
@@ -19,7 +20,7 @@ from tests.stress.scenes import assert_nothing_broken
 
 FRAMES = 8
 BODIES = ("plate", "box", "edge up", "wedge", "spike")
-RATIOS = (4, *(pytest.param(ratio, marks=pytest.mark.slow) for ratio in (3, 6)))
+RATIOS = (4, *in_time(3, 6))
 
 
 def blob(solver, speed, bodies, *, size=(0.24, 0.24, 0.24), cfl=0.4, ratio=4, **changes):

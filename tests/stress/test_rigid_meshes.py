@@ -10,6 +10,7 @@ import pytest
 
 from sim.settings import Refused
 from tests.bodies import G, ground, part, step, tilt
+from tests.in_time import in_time
 from tests.meshes import body, broken_boxes, without_mass, write
 from tests.particles import read_table
 
@@ -41,10 +42,7 @@ def test_a_mended_box_has_the_mass_of_the_box(tmp_path, name):
     assert BROKEN[name][1] in "; ".join(item.solid.report.lines())
 
 
-SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in BROKEN if name not in ("inside out", "a side missing")]
-
-
-@pytest.mark.parametrize("name", ["inside out", "a side missing", *SLOW])
+@pytest.mark.parametrize("name", ["a side missing", *in_time(*(name for name in BROKEN if name != "a side missing"))])
 def test_a_mended_box_falls_and_comes_to_rest_at_half_its_height(tmp_path, name):
     """y = y0 - g t^2 / 2 until it lands; then b / 2 and level, to the overlap of 1.1e-4 of its size that is let be."""
     bodies = made(tmp_path, name, position=[0, 0.3, 0])

@@ -9,15 +9,15 @@ import pytest
 
 from sim.fluid.mixing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
+from tests.in_time import in_time
 from tests.particles import read_table
-from tests.solvers import STRESSED
 from tests.stress.scenes import THICK, contents, pool, run_segment
 
 BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "position": [0.05, 0.06, 0]}
 THICK_ON_A_BALL = THICK | {"rigid__bodies": {"ball": BALL}}
 
 
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
 def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
     scene = pool(fluid__solver=solver, **THICK_ON_A_BALL)
     whole, first, second = (tmp_path / name for name in ("whole", "first", "second"))

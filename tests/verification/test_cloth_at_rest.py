@@ -79,6 +79,7 @@ def test_a_cantilever_bends_by_its_stiffness(bend):
     assert drop < 0.1 * length
 
 
+@pytest.mark.slow
 def test_equilibrium_does_not_depend_on_the_integrator():
     cloth = {"pins": ["corners"], "stretch_stiffness": 50.0, "damping": 1.0, "bend_damping": 1.0, "mass_per_area": 0.3}
     air = {"density": 1000.0}

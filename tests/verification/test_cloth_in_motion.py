@@ -7,6 +7,7 @@ import pytest
 from scipy.special import ellipk, jn_zeros
 
 from tests.cloths import HANGING, INTEGRATORS, G, part, period, places, rope, set_motion, sheet, step
+from tests.in_time import in_time
 
 EXACT = {"implicit_euler": {"velocity_error": 1e-7, "linear_error": 1e-5, "max_newton": 50}}
 
@@ -59,11 +60,8 @@ def test_a_taut_rope_has_the_pitch_of_its_masses(integrator, mode):
 @pytest.mark.parametrize(
     ("integrator", "angle"),
     [
-        ("symplectic_euler", 30),
-        ("symplectic_euler", 60),
         ("symplectic_euler", 90),
-        ("xpbd", 90),
-        pytest.param("implicit_euler", 90, marks=pytest.mark.slow),
+        *in_time(("symplectic_euler", 30), ("symplectic_euler", 60), ("xpbd", 90), ("implicit_euler", 90)),
     ],
 )
 def test_a_pendulum_swings_slower_the_wider_it_swings(integrator, angle):
@@ -89,9 +87,7 @@ def test_a_pendulum_swings_slower_the_wider_it_swings(integrator, angle):
     assert period(np.array(times), np.array(sideways)) == pytest.approx(expected, rel=bound)
 
 
-@pytest.mark.parametrize(
-    "integrator", ["symplectic_euler", "xpbd", pytest.param("implicit_euler", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("integrator", ["xpbd", *in_time("symplectic_euler", "implicit_euler")])
 def test_a_hanging_rope_sways(integrator):
     """w = j / 2 sqrt(g / L), j = 2.4048 the first zero of Bessel's J0 (Daniel Bernoulli 1732)."""
     length = 1.0
@@ -129,7 +125,7 @@ def test_a_spring_sends_waves_at_its_speed():
     assert after.max() == pytest.approx(1e-3, rel=0.02)
 
 
-@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("integrator", ["xpbd", "symplectic_euler", *in_time("implicit_euler")])
 def test_what_falls_in_air_comes_to_its_last_speed(integrator):
     """m g = rho / 2 C A v^2 for a flat piece that falls flat."""
     made = part({"sheet": sheet((0.5, 0.5), spacing=0.1, mass_per_area=0.1)}, integrator=integrator,

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from tests.floating import RHO, G, momentum, pool, track
+from tests.in_time import in_time
 from tests.particles import read_frame
 from tests.solvers import SOLVERS, probe
 
 BALL = {"type": "sphere", "radius": 0.1}
 BRICK = {"type": "box", "size": [0.24, 0.12, 0.24]}
-ALL_IN_TIME = pytest.mark.parametrize(
-    "solver", ["dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("wcsph", "iisph"))]
-)
+ALL_IN_TIME = pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iisph")])
 VOLUME = {"sphere": 4 / 3 * np.pi * 0.1**3, "box": 0.24 * 0.12 * 0.24}
 
 
@@ -159,7 +158,7 @@ def thrown(simulate, solver: str, ratio: float, **fluid):
     return momentum(out, 0, *of_all), momentum(out, 12, *of_all), track(out, "vx")
 
 
-@pytest.mark.parametrize("ratio", [0.5, *(pytest.param(ratio, marks=pytest.mark.slow) for ratio in (0.01, 100.0))])
+@pytest.mark.parametrize("ratio", [0.5, *in_time(0.01, 100.0)])
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_momentum_goes_from_one_to_the_other(simulate, solver, ratio):
     """It is kept to 1e-5, angular momentum as the solver keeps it: pressures that are looked for act where particles

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from tests.in_time import in_time
 from tests.particles import positions, read_frame, velocities
 from tests.solvers import SOLVERS, probe, steps
 
@@ -84,7 +85,7 @@ def test_the_impulse_on_a_plate_is_the_momentum_that_the_fluid_gains(simulate, s
         assert -float((dt * acting).sum()) == pytest.approx(gained[axis], abs=share * gained[1])
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", ["iisph", "dfsph", *in_time("wcsph", "pcisph")])
 def test_a_lift_carries_its_load(simulate, solver):
     """A piston rises evenly in a shaft that does not hold the water by friction: water that rises with it presses with
     its weight, and all of it keeps the piston's speed and its volume."""
@@ -151,7 +152,7 @@ def test_a_tank_that_speeds_up_is_one_in_a_tilted_field(simulate, tmp_path, solv
     assert leant[-1] < -a * tau * frames / fps
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", ["iisph", "dfsph", *in_time("wcsph", "pcisph")])
 def test_a_can_that_spins_without_friction_leaves_the_water_at_rest(simulate, tmp_path, solver):
     """No stress along the wall, no torque: the angular momentum stays 0, against I omega if the water turned along."""
     radius, omega, frames = 0.1, 6.0, 10
@@ -186,7 +187,7 @@ def test_a_can_that_spins_without_friction_leaves_the_water_at_rest(simulate, tm
     assert 0.8 < turned["no_slip"] < 1.0
 
 
-@pytest.mark.parametrize("solver", [*(pytest.param(name, marks=pytest.mark.slow) for name in SOLVERS[:3]), SOLVERS[3]])
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
 def test_the_force_on_a_full_tank_that_speeds_up(simulate, tmp_path, solver):
     """Water that fills a closed tank moves with it: the tank bears m (g - a), in the mean over whole keyframes.
 

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
+from tests.in_time import in_time
 from tests.particles import positions, read_frame, velocities
 from tests.solvers import ITERATIVE, run_changed
 
@@ -109,9 +110,7 @@ def check(out, solver: str, layers: int, periods: float, **fluid) -> None:
     assert abs(error) < 0.02
 
 
-@pytest.mark.parametrize(
-    "solver", [TOO_FAST, "dfsph", *(pytest.param(name, marks=pytest.mark.slow) for name in ("iisph", "pcisph"))]
-)
+@pytest.mark.parametrize("solver", [TOO_FAST, "dfsph", *in_time("iisph", "pcisph")])
 def test_the_period(tmp_path, solver):
     check(tmp_path, solver, 10, 2)
 

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from tests.in_time import in_time
+
 NU, LAYERS, SPACING = 0.02, 10, 0.01
 GAP = LAYERS * SPACING
 BOX = np.array([4 * GAP, GAP, 2 * GAP])
@@ -179,7 +181,7 @@ def test_flow_between_walls_starts_as_poiseuille_says(taichi, points, walls, bes
     assert list(middle.values()) == pytest.approx([0.370, 0.615, 0.857, 0.993], abs=0.005)
 
 
-@pytest.mark.parametrize("solver", ["explicit", "implicit"])
+@pytest.mark.parametrize("solver", ["explicit", *in_time("implicit")])
 def test_flow_under_a_belt_starts_as_couette_says(taichi, points, solver):
     """To 3 % of the belt's speed in every layer."""
     system = channel(points, "belt", 0.0, viscosity_solver=solver)
@@ -204,6 +206,7 @@ def test_implicit_viscosity_takes_steps_a_hundred_times_as_long(taichi, points, 
         assert 0 < told["viscosity_iterations"] < 100
 
 
+@pytest.mark.slow
 def test_implicit_and_explicit_viscosity_agree_at_a_small_step(taichi, points):
     """Both are first order in the step, with errors of opposite sign: apart by less than the slowest rate times dt."""
     dt, t = 0.1 * EXPLICIT_LIMIT, 0.1 * GAP**2 / NU
