@@ -1,3 +1,4 @@
+import os
 import sys
 from functools import cache
 from pathlib import Path
@@ -9,7 +10,7 @@ from workflow.memory import estimate
 
 min_version("9.0")
 
-catalog = Catalog(Path(workflow.basedir), config)
+catalog = Catalog(Path(workflow.basedir), config, workflow.cores or os.cpu_count() or 1)
 
 
 localrules:
@@ -18,7 +19,7 @@ localrules:
 
 wildcard_constraints:
     scene=r".+",
-    quality="draft|standard|final",
+    quality="draft|standard|final|budget",
     segment=r"[0-9][0-9][0-9]+",
     block=r"[0-9][0-9][0-9]+",
     study=r".+",

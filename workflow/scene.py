@@ -28,6 +28,8 @@ from workflow.wedge.combinations import MARK, Combination, combinations
 
 Quality = Literal["draft", "standard", "final"]
 QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
+BUDGET = "budget"
+"""The quality of a scene whose settings lie between those of presets."""
 
 
 class SceneFile(SimulationSpec):

@@ -22,6 +22,7 @@ def leaks(out, last):
     )
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize(
     ("speed", "cfl"),
     [

@@ -86,6 +86,7 @@ def falls_right(made, dt, steps, swing):
     assert made.measure().stretch_max < 1.2
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("dt", STEPS)
 @pytest.mark.parametrize("stiffness", decades(STIFFNESS, MORE_STIFFNESS))
@@ -94,6 +95,7 @@ def test_any_stiffness_and_step(integrator, dt, stiffness):
     falls_right(made, dt, 30, SWING[integrator])
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("dt", decades([1e-3], [1e-5, 1 / 30]))
 @pytest.mark.parametrize("mass", [1e-6, 1e-4, 1e2, 1e6])
@@ -102,6 +104,7 @@ def test_any_mass(integrator, dt, mass):
     falls_right(made, dt, 30, SWING[integrator])
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("dt", decades([1e-5, 1 / 30], [1e-3]))
 @pytest.mark.parametrize("stiffness", decades([1e6], [1e2]))
@@ -112,6 +115,7 @@ def test_the_most_damping(integrator, dt, stiffness):
     falls_right(made, dt, 30, ROUNDING)
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize(
     ("integrator", "stiffness", "dt"),
     [
@@ -149,6 +153,7 @@ def stretched(integrator: str, stiffness: float) -> ClothPart:
     )
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @crumples
 def test_a_stretched_cloth_that_strikes_itself(integrator, stiffness, dt):
@@ -159,6 +164,7 @@ def test_a_stretched_cloth_that_strikes_itself(integrator, stiffness, dt):
     assert energy(made) < 1e-2 * before
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @crumples
 def test_a_stretched_cloth_that_strikes_itself_stays_where_it_is(integrator, stiffness, dt):
@@ -171,6 +177,7 @@ def test_a_stretched_cloth_that_strikes_itself_stays_where_it_is(integrator, sti
     assert np.abs(middle(made) - start).max() < 1e-9 * speed * 60 * dt
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize(
     ("integrator", "dt", "steps"),
     [
@@ -191,6 +198,7 @@ def test_springs_without_length(integrator, dt, steps):
     assert np.abs(middle(made) - start).max() < 1e-6 * SIZE
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("dt", STEPS)
 @pytest.mark.parametrize("slack", [1.0, 0.25])
@@ -207,6 +215,7 @@ def test_a_cloth_of_which_all_is_held(integrator, dt, slack):
     assert np.isfinite(made.pin_force("sheet")).all()
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("dt", STEPS)
 @pytest.mark.parametrize("stiffness", [1e4, 1e8])
@@ -232,6 +241,7 @@ def test_one_triangle(tmp_path, integrator, dt, stiffness):
     assert np.linalg.norm(places(made)[2] - corners[:2].mean(axis=0)) == pytest.approx(arm, rel=1e-3)
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("stiffness", decades([1, 1e4, 1e8], [1e2, 1e6]))
 def test_a_strip_hangs_by_its_weight(stiffness):
     """rho g L^2 / (2 K), from half of its length to a few atoms."""
@@ -259,6 +269,7 @@ def test_xpbd_is_softer_the_longer_its_steps(dt, stiffness):
     assert 0 < stretch < 4 / 3 * asked + 5**2 / 2 * G * (dt / 10) ** 2
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("stiffness", [1.0, 1e8])
 @pytest.mark.parametrize("mass", [1e-4, 1e2])
 @pytest.mark.parametrize("dt", decades([1 / 30], [1e-3]))
@@ -277,6 +288,7 @@ def test_a_sheet_on_the_ground(stiffness, mass, dt):
     assert world.cloth.measure().v_max < 0.01
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "mass", "dt"),
@@ -306,6 +318,7 @@ def segment(folder: Path, frames: str = "0:2", **changes):
     return status, out
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize(
     ("changes", "field", "remedy"),
     [
@@ -358,6 +371,7 @@ def test_runs_at_the_extremes_leave_sound_files(tmp_path, capsys, integrator, st
     assert {"cloth_capped", "cloth_held_back"} <= set(counts)
 
 
+@pytest.mark.outcome("C")
 def test_stopped_with_the_last_good_state(tmp_path, capsys):
     """An event makes the cloth stiffer than explicit steps can follow."""
     event = {"at": 0.05, "set": {"cloth.sheets.sheet.stretch_stiffness": 1e12}}
@@ -367,6 +381,7 @@ def test_stopped_with_the_last_good_state(tmp_path, capsys):
     assert_nothing_broken(out)
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_shorter_steps_find_what_long_ones_do_not(tmp_path, capsys):
     """Contacts and 1e8 N/m in steps of 1/30 s: what Newton's method leaves there would throw the cloth up."""
@@ -380,6 +395,7 @@ def test_shorter_steps_find_what_long_ones_do_not(tmp_path, capsys):
     assert_nothing_broken(out)
 
 
+@pytest.mark.outcome("C")
 @pytest.mark.slow
 def test_stopped_where_no_solution_is_found(tmp_path, capsys):
     """The same with the stiffest cloth that there may be."""

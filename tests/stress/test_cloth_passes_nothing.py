@@ -19,6 +19,7 @@ FINE = [0.1, pytest.param(0.05, marks=pytest.mark.slow)]
 """Spacings [m]."""
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @OF_ALL
 @pytest.mark.parametrize("spacing", [0.1, 0.05])
@@ -32,6 +33,7 @@ def test_a_cloth_that_falls_on_a_ball(spacing, integrator):
     assert 0.004 < world.cloth.vertices("cloth")[0][:, 1].min() < 0.4
 
 
+@pytest.mark.outcome("A")
 @OF_ALL
 @pytest.mark.parametrize("spacing", FINE)
 def test_a_cloth_that_falls_on_the_edge_of_a_box(spacing, integrator):
@@ -42,6 +44,7 @@ def test_a_cloth_that_falls_on_the_edge_of_a_box(spacing, integrator):
     assert np.abs(world.cloth.vertices("cloth")[0][:, 0].mean()) < 0.05
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @OF_ALL
 def test_a_ball_that_is_shot_at_a_cloth(integrator):
@@ -57,6 +60,7 @@ def test_a_ball_that_is_shot_at_a_cloth(integrator):
     assert world.cloth.vertices("cloth")[0][:, 1].min() < -0.1
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @OF_ALL
 def test_two_cloths_between_closing_plates(integrator):
@@ -78,6 +82,7 @@ def test_two_cloths_between_closing_plates(integrator):
     assert max(np.abs(np.concatenate(heights))) < 0.01
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_a_ribbon_that_is_twisted_ten_times():
     world = scene(
@@ -88,6 +93,7 @@ def test_a_ribbon_that_is_twisted_ten_times():
     assert passages(world, 1.0, 0.002) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_a_cloth_that_falls_on_the_bunny():
     bunny = {"shape": BUNNY, "position": [0, 0, 0]} | STILL
@@ -116,6 +122,7 @@ def half_turns(corner, *folds):
     return {"at": [list(corner)], "keyframes": keys}
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @OF_ALL
 def test_a_cloth_that_is_folded_three_times(integrator):

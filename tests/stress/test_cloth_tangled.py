@@ -47,6 +47,7 @@ def strip(path: Path, curve: np.ndarray, width: float, cells: int) -> dict:
     return {"shape": {"type": "mesh", "file": str(path)}}
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize(
     "other",
     [
@@ -68,6 +69,7 @@ def test_two_sheets_through_each_other(other):
     assert crossings(world) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_a_strip_that_is_rolled_through_itself(tmp_path):
     """The curve (t^3 - 3 t, t^2), which crosses itself at t = 3^(1/2)."""
@@ -82,6 +84,7 @@ def test_a_strip_that_is_rolled_through_itself(tmp_path):
     assert passages(world, 0.03, 0.005) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.parametrize("height", [0.0, 0.07])
 def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
@@ -99,6 +102,7 @@ def test_a_sheet_through_a_ball_comes_to_lie_on_it(height):
     assert points[:, 1].max() > 0.19 and points[:, 1].min() < 0.15
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_a_sheet_that_the_edge_of_a_box_sticks_through():
     edge = box((0.3, 0.3, 1.0), rotation=[{"axis": [0, 0, 1], "angle": 45}]) | {"motion": "static"}
@@ -108,6 +112,7 @@ def test_a_sheet_that_the_edge_of_a_box_sticks_through():
     assert passages(world, 0.03, 0.005) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 def test_a_sheet_inside_a_ball_and_one_below_the_floor_come_out():
     small = sheet((0.1, 0.1), spacing=0.02, thickness=0.004, position=[0, 0.05, 0])
@@ -118,6 +123,7 @@ def test_a_sheet_inside_a_ball_and_one_below_the_floor_come_out():
     assert world.cloth.vertices("low")[0][:, 1].min() > -1
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("pins", [[{"at": [[0, 0, 0]]}], ["left", "right", "front", "back"]])
 def test_a_sheet_pinned_through_a_solid_is_refused(pins):
     wide = box((2, 0.1, 2), rotation=[{"axis": [1, 0, 0], "angle": 90}]) | {"motion": "static"}
@@ -160,6 +166,7 @@ def test_it_is_said_and_kept_and_rest_lengths_are_as_placed(tmp_path):
     assert json.loads((tmp_path / "more" / "summary.json").read_text())["untangled"] == {}
 
 
+@pytest.mark.outcome("B")
 def test_a_sheet_pinned_inside_a_body_ends_with_2(tmp_path):
     settings = {"shape": {"type": "sheet", "size": [0.3, 0.3]}, "spacing": 0.05, "pins": [{"at": [[0, 0, 0]]}]}
     made = {"fps": 100, "rigid": {"bodies": {"ball": BALL}}, "cloth": {"sheets": {"flag": settings}}}

@@ -109,6 +109,7 @@ def test_a_frame_that_is_repeated_emits_no_more(simulate, monkeypatch, solver):
     assert np.array_equal(last["id"], np.arange(len(last)))
 
 
+@pytest.mark.outcome("A")
 def test_a_full_box_takes_no_more(simulate, capfd):
     """Its room is 1000 particles; what the outlet can not send is counted, said once, and the fluid comes to rest."""
     d = 0.02
@@ -135,6 +136,7 @@ def test_a_full_box_takes_no_more(simulate, capfd):
     assert capfd.readouterr().err.count("'tap' is blocked") == 1
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("speed", [1.0, 5.0])
 def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
@@ -157,6 +159,7 @@ def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
     assert max(read_frame(out, k)["density"].max() for k in range(len(frames))) <= 1300
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", ("wcsph", *ITERATIVE))
 def test_a_stream_is_let_go_where_nothing_gives_way(simulate, solver):
     """A shaft as wide as the stream, with room for four layers and an outlet in its lid: led on to the end of the
@@ -179,6 +182,7 @@ def test_the_step_knows_the_speed_of_emitters(simulate, solver):
         simulate(scene | {"step": {"fixed": 0.1}}, 2, threads=1)
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("solver", STRESSED)
 def test_a_speed_beyond_all_bounds_is_refused(simulate, solver):
     scene = pool(fluid__emitters={"tap": TAP | {"speed": 1e6}}, fluid__solver=solver)
@@ -214,6 +218,7 @@ def test_a_run_goes_on_with_an_emitter_elsewhere(simulate):
     np.testing.assert_allclose(last["vy"], np.where(last["id"] < LAYER, 1.0, -1.0) * SPEED, rtol=0.01)
 
 
+@pytest.mark.outcome("A")
 def test_emitters_pause_at_the_limit(simulate, capfd):
     """While there are 50 particles nothing comes; a drain makes room, and layers come again."""
     scene = pool(fluid__emitters={"tap": TAP}, fluid__bodies={}, fluid__max_particles=50)
@@ -229,6 +234,7 @@ def test_emitters_pause_at_the_limit(simulate, capfd):
     assert capfd.readouterr().err.count("fluid.max_particles = 50 is reached") == 1
 
 
+@pytest.mark.outcome("A")
 def test_all_fluid_may_be_drained_and_come_again(simulate):
     """A step may begin or end without any particle, for every number of them."""
     whole = {"shape": {"type": "box", "size": [1, 1, 1]}, "start": 0.05, "stop": 0.1}

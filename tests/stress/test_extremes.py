@@ -101,6 +101,7 @@ def assert_inside(out, size: float, spacing: float) -> None:
     assert np.abs(x).max() < size / 2 + spacing / 2
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("name", RIGHT)
 def test_right(simulate, name):
     scene = RIGHT[name]
@@ -122,6 +123,7 @@ def test_right(simulate, name):
         assert energy.max() <= 1.05 * (speed**2 / 2 + gravity * size) + rounding
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("name", REFUSED)
 def test_refused(simulate, tmp_path, name):
     scene, message = REFUSED[name]
@@ -131,6 +133,7 @@ def test_refused(simulate, tmp_path, name):
     assert not (tmp_path / "run").exists() or not list((tmp_path / "run").iterdir())
 
 
+@pytest.mark.outcome("C")
 @pytest.mark.parametrize("name", STOPPED)
 def test_stopped(simulate, name):
     scene, message = STOPPED[name]
@@ -140,6 +143,7 @@ def test_stopped(simulate, name):
     assert_nothing_broken(out)
 
 
+@pytest.mark.outcome("A")
 def test_sizes_are_similar(simulate):
     """The same scene in another size: lengths scale with s, times with its root (Froude)."""
     scene = {"fluid__viscosity": 0, "fluid__wcsph": {"artificial_viscosity": 0.1}}
@@ -151,6 +155,7 @@ def test_sizes_are_similar(simulate):
     np.testing.assert_allclose(frames[2], frames[0], atol=2e-4 * 0.4)
 
 
+@pytest.mark.outcome("A")
 def test_a_scene_far_from_the_origin_is_the_same_scene(simulate):
     """Coordinates relative to the middle of the scene are exact; only files round to single precision."""
     away = 512.0
@@ -167,6 +172,7 @@ def test_a_scene_far_from_the_origin_is_the_same_scene(simulate):
     np.testing.assert_allclose(moved, np.broadcast_to([away, 0, -away], moved.shape), atol=np.spacing(np.float32(away)))
 
 
+@pytest.mark.outcome("A")
 def test_bodies_that_overlap_are_not_filled_twice(simulate):
     """Half a spacing aside, the second body's points lie in the holes of the first's lattice."""
     both = {"first": WATER, "second": WATER | {"position": [0.08, 0.17, 0.02]}}
@@ -178,6 +184,7 @@ def test_bodies_that_overlap_are_not_filled_twice(simulate):
     assert_nothing_broken(out)
 
 
+@pytest.mark.outcome("A")
 def test_particles_fly_off_without_bound(simulate):
     """No box bounds the scene: x0 + v0 t + g t^2 / 2, far beyond the period of the hash."""
     velocity, seconds = np.array([300.0, 40.0, -200.0]), 4
@@ -194,6 +201,7 @@ def test_particles_fly_off_without_bound(simulate):
     np.testing.assert_allclose(final, velocity + gravity * seconds, atol=steps * np.spacing(np.float32(300)))
 
 
+@pytest.mark.outcome("A")
 def test_fluid_stays_in_a_round_container(simulate, tmp_path):
     """The inside of a closed mesh: no particle leaves a sphere."""
     trimesh.creation.icosphere(subdivisions=3, radius=0.2).export(tmp_path / "ball.obj")

@@ -25,6 +25,7 @@ def counts(out) -> dict[str, int]:
     return json.loads((out / "summary.json").read_text())["counts"]
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.01, 0.05])
 @pytest.mark.parametrize("solver", ["dfsph", *LATER])
@@ -39,6 +40,7 @@ def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
     assert counts(out)["retries"] == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [2.0, 100.0])
 @pytest.mark.parametrize("solver", ["dfsph", *LATER])
@@ -55,6 +57,7 @@ def test_a_heavy_body_sinks_to_the_ground_and_rests_there(simulate, solver, rati
     assert before - after == counts(out)["particles_squeezed"]
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["dfsph", *LATER])
 def test_a_thin_light_plate_comes_up(simulate, solver):
@@ -63,6 +66,7 @@ def test_a_thin_light_plate_comes_up(simulate, solver):
     assert track(out, "y")[-1] > 0.25
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iisph", "pcisph")])
 def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     """The water that was in its place is left out: it begins near its draft, and no faster than it could fall."""
@@ -103,6 +107,7 @@ def test_events_let_a_body_go_add_one_and_take_one_away(simulate):
     assert track(out, "y", "late")[-1] > 0.2
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", ["dfsph", pytest.param("wcsph", marks=pytest.mark.slow)])
 def test_a_light_body_in_thick_fluid_is_not_thrown(simulate, solver):
     """A hundredth of the fluid's density, in honey a million times as thick as water, which is slow to give way: a ball

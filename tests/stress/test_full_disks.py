@@ -35,6 +35,7 @@ def small_disk(tmp_path):
         subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
+@pytest.mark.outcome("C")
 def test_a_disk_that_fills_up_stops_the_run(small_disk, tmp_path):
     disk = small_disk("160k")
     out = disk / "out"
@@ -54,6 +55,7 @@ def test_a_disk_that_fills_up_stops_the_run(small_disk, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.outcome("B")
 def test_a_full_disk_is_refused(small_disk):
     out = small_disk("64k") / "out"
     done = run_segment(STILL, out, "0:4")
@@ -63,6 +65,7 @@ def test_a_full_disk_is_refused(small_disk):
     assert not list(out.iterdir())
 
 
+@pytest.mark.outcome("C")
 def test_a_limit_on_the_size_of_files_stops_the_run(tmp_path):
     """The tables grow past it; frames and states are smaller than the reserve."""
     command = segment_command(
@@ -80,6 +83,7 @@ def test_a_limit_on_the_size_of_files_stops_the_run(tmp_path):
     assert len(contents(tmp_path / "out", "fluid_*.ply")) == last + 1
 
 
+@pytest.mark.outcome("B")
 def test_a_folder_that_can_not_be_written_is_refused(small_disk, tmp_path):
     disk = small_disk("1m")
     subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)

@@ -58,6 +58,7 @@ def inside(scene, out, folder):
     return count
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
@@ -68,6 +69,7 @@ def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
     assert inside(scene, out, tmp_path) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
@@ -79,6 +81,7 @@ def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
     assert inside(scene, out, tmp_path) == 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
@@ -94,6 +97,7 @@ def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
         assert not (across & (x[:, 1] < TOP)).any()
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("kind", ["planes", "cube", "spike"])
@@ -123,6 +127,7 @@ def test_nothing_leaves_a_closed_container(simulate, tmp_path, kind, ratio, solv
         assert held.sum() == len(x) == count
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("solver", STRESSED)
 @pytest.mark.parametrize(
     "motion",
@@ -144,6 +149,7 @@ def test_nothing_leaves_a_box_that_moves(simulate, tmp_path, motion, solver):
         assert (np.abs(x) < 0.2).all()
 
 
+@pytest.mark.outcome("A")
 def test_fluid_keeps_off_thin_bodies_and_edges_at_the_start(simulate):
     """A plate half a spacing thin has its samples right below its surface: fluid that starts around it is not torn."""
     bodies = {

@@ -129,6 +129,7 @@ DAMAGE = {
 }
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damaged_states_are_refused(parts, tmp_path, simulate, damage):
     state = tmp_path / "state_00004.npz"
@@ -139,6 +140,7 @@ def test_damaged_states_are_refused(parts, tmp_path, simulate, damage):
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize(
     ("changes", "first", "message"),
     [
@@ -162,6 +164,7 @@ def test_other_settings_may_go_on(parts, simulate, change):
     assert len(read_frame(out, 5)) == len(read_frame(parts / "first", 4))
 
 
+@pytest.mark.outcome("B")
 def test_the_commands_refuse_with_two(parts, tmp_path):
     (tmp_path / "pool.yaml").write_text(json.dumps({"duration": 0.08, "quality": "draft"} | SCENE))
     state = tmp_path / "state.npz"
@@ -173,6 +176,7 @@ def test_the_commands_refuse_with_two(parts, tmp_path):
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("spec", ["{", "[]", '{"fps": 0}', '{"fps": 24, "unknown": 1}', "@nowhere.json"])
 def test_settings_that_are_none_are_refused(tmp_path, spec):
     from sim.segment import main

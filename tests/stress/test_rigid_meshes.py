@@ -24,6 +24,7 @@ def made(path: Path, name: str, **settings):
     return part({"box": body(write(path / "box.off", BROKEN[name][0]), density=DENSITY, **settings), "floor": ground()})
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_mended_box_has_the_mass_of_the_box(tmp_path, name):
     """m = rho a b c and I_x = m (b^2 + c^2) / 12, to rounding: the polyhedron is the box."""
@@ -42,6 +43,7 @@ def test_a_mended_box_has_the_mass_of_the_box(tmp_path, name):
     assert BROKEN[name][1] in "; ".join(item.solid.report.lines())
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("name", ["a side missing", *in_time(*(name for name in BROKEN if name != "a side missing"))])
 def test_a_mended_box_falls_and_comes_to_rest_at_half_its_height(tmp_path, name):
     """y = y0 - g t^2 / 2 until it lands; then b / 2 and level, to the overlap of 1.1e-4 of its size that is let be."""
@@ -70,6 +72,7 @@ def test_a_run_says_what_it_mended(simulate, tmp_path, capsys):
     assert "crate: the mesh was mended" in capsys.readouterr().err
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_has_no_mass_is_refused(simulate, tmp_path, name):
     build, says = REFUSED[name]

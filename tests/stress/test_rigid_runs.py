@@ -101,6 +101,7 @@ def test_a_cap_on_iterations_is_counted(simulate):
     assert counts["contacts_capped"] == np.count_nonzero(read_table(out / "steps.csv")["contacts_capped"]) > 0
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("height", [0.5, 0.1, -0.05])
 def test_a_body_that_starts_in_the_floor_comes_up_gently(simulate, height):
     data = {"fps": 24, "rigid": {"bodies": {"box": box((0.2, 0.2, 0.2), position=[0, height, 0]), "floor": ground()}}}
@@ -112,6 +113,7 @@ def test_a_body_that_starts_in_the_floor_comes_up_gently(simulate, height):
         assert np.abs(found["vy"]).max() < 0.05
 
 
+@pytest.mark.outcome("B")
 @pytest.mark.parametrize(
     ("change", "field"),
     [
@@ -134,6 +136,7 @@ def test_settings_of_no_body_are_refused(change, field):
         SimulationSpec.model_validate({"fps": 24, "rigid": {"bodies": {"body": {**ball(0.1), **change}}}})
 
 
+@pytest.mark.outcome("B")
 def test_an_open_mesh_has_no_mass(simulate, tmp_path):
     (tmp_path / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
     body = {"motion": "dynamic", "shape": {"type": "mesh", "file": "open.obj", "repair": False}}
@@ -141,6 +144,7 @@ def test_an_open_mesh_has_no_mass(simulate, tmp_path):
         simulate({"fps": 24, "rigid": {"bodies": {"body": body}}}, 1)
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
 def test_a_thousand_bodies(simulate):

@@ -41,6 +41,7 @@ def assert_stopped(out):
     return frame
 
 
+@pytest.mark.outcome("B")
 def test_a_step_far_beyond_the_limit_is_refused(tmp_path):
     done = run_segment(pool(step={"fixed": 0.1}), tmp_path / "out", "0:4")
     assert done.returncode == 2
@@ -49,6 +50,7 @@ def test_a_step_far_beyond_the_limit_is_refused(tmp_path):
     assert not list((tmp_path / "out").iterdir())
 
 
+@pytest.mark.outcome("C")
 def test_a_step_that_becomes_too_long_stops_the_run(tmp_path):
     done = run_segment(FASTER, tmp_path / "out", "0:8")
     assert done.returncode == 3, done.stderr
@@ -68,6 +70,7 @@ def too_fast(tmp_path_factory):
     return out
 
 
+@pytest.mark.outcome("C")
 def test_a_stopped_run_leaves_all_that_was_good(too_fast):
     # v = g t passes 0.5 m/s after 51 ms.
     assert assert_stopped(too_fast) == 5
@@ -94,6 +97,7 @@ def test_the_last_good_state_goes_on_with_another_setting(too_fast, simulate):
     assert_nothing_broken(out)
 
 
+@pytest.mark.outcome("A")
 @pytest.mark.parametrize("faults", [1, 4])
 def test_a_frame_after_retries_is_right(simulate, monkeypatch, capfd, faults):
     """Fluid in free fall, y = y0 - g t^2 / 2 for any step; the retries show in the summary and in the log."""
@@ -120,6 +124,7 @@ def test_a_frame_after_retries_is_right(simulate, monkeypatch, capfd, faults):
     assert frame_2.max() < 1.2 * 0.5**faults * frame_1.max()
 
 
+@pytest.mark.outcome("C")
 def test_five_faults_stop_the_run(simulate, monkeypatch):
     make_faults(monkeypatch, 5, above=IN_FRAME_2)
     out = simulate(pool(), 4, expect=3)
@@ -128,6 +133,7 @@ def test_five_faults_stop_the_run(simulate, monkeypatch):
     assert failure(out)["detected"] == "a fault of the test"
 
 
+@pytest.mark.outcome("A")
 def test_shortened_steps_recover(simulate, monkeypatch):
     make_faults(monkeypatch, 2, above=IN_FRAME_2)
     out = simulate(pool(gravity=[0, -G, 0]), 5)
@@ -137,6 +143,7 @@ def test_shortened_steps_recover(simulate, monkeypatch):
     assert longest[1] < longest[3] <= longest[4]
 
 
+@pytest.mark.outcome("C")
 def test_what_is_not_finite_stops_the_run(simulate, monkeypatch):
     """Whatever makes a value that is no number, it is seen after the step."""
     from sim.fluid.wcsph import Wcsph
@@ -163,6 +170,7 @@ def assert_stopped_at_start(out):
     return [path.name for path in sorted(out.glob("*0*"))] == ["fluid_00000.ply", "state_00000.npz"]
 
 
+@pytest.mark.outcome("C")
 def test_an_event_without_room_stops_the_run(simulate):
     """Known only when it happens, with steps done: stopped, not refused."""
     same = {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "position": [0, 0.15, 0]}
@@ -178,6 +186,7 @@ def test_a_run_that_succeeds_leaves_no_old_failure(simulate):
     assert summary(out)["status"] == "done"
 
 
+@pytest.mark.outcome("B")
 def test_a_bad_number_of_threads_is_refused(simulate):
     with pytest.raises(Refused, match="threads"):
         simulate(pool(), 1, threads=0)

@@ -1,0 +1,71 @@
+"""Scenes between presets: detail 0 is draft, 1 standard, 2 final, and numbers that these tell apart go along.
+
+Below 0 they go on as from standard to draft, for pilots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from workflow import grid
+from workflow.scene import BUDGET, QUALITIES, Scene, load
+
+FINEST = float(len(QUALITIES) - 1)
+KEPT = frozenset({"fps"})
+"""Paths of what stays as in the nearest preset: a film has whole frames."""
+
+
+def load_at(path: Path, detail: float) -> Scene:
+    """The scene at `path` with a detail of at most 2; raises SceneError."""
+    presets = [load(path, quality=quality) for quality in QUALITIES]
+    nearest = presets[_nearest(detail)]
+    chosen = dict(_between("", [_settings(scene) for scene in presets], detail))
+    scene = load(path, quality=nearest.quality, overrides=grid.overrides(chosen))
+    return replace(scene, quality=BUDGET)
+
+
+def _settings(scene: Scene) -> dict[str, Any]:
+    parts = {"surface": scene.surface, "render": scene.render}
+    return scene.simulation.model_dump(mode="json") | {
+        name: part.model_dump(mode="json") for name, part in parts.items()
+    }
+
+
+def _between(path: str, values: Sequence[Any], detail: float) -> Iterator[tuple[str, Any]]:
+    """What has to be set where presets have these values, by path."""
+    nearest = values[_nearest(detail)]
+    if path in KEPT:
+        return
+    if all(value == nearest for value in values):
+        return
+    if all(isinstance(value, dict) and value.keys() == nearest.keys() for value in values):
+        for key in nearest:
+            yield from _between(f"{path}.{key}" if path else key, [value[key] for value in values], detail)
+    elif all(isinstance(value, list) and len(value) == len(nearest) for value in values):
+        numbers = [_number(each, detail) for each in zip(*values, strict=True)]
+        yield path, nearest if None in numbers else numbers
+    else:
+        number = _number(values, detail)
+        yield path, nearest if number is None else number
+
+
+def _nearest(detail: float) -> int:
+    return max(0, round(detail))
+
+
+def _number(values: Sequence[Any], detail: float) -> float | int | None:
+    """By powers between the presets below and above; None for what is no number. Whole numbers stay whole, and even
+    where all are."""
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return None
+    below = min(max(0, int(detail)), len(values) - 2)
+    low, high, part = values[below], values[below + 1], detail - below
+    found = low * (high / low) ** part if min(low, high) > 0 else low + (high - low) * part
+    if not all(isinstance(value, int) for value in values):
+        return float(f"{found:.6g}")
+    step = 2 if all(value % 2 == 0 for value in values) else 1
+    return max(step * math.floor(found / step + 0.5), min(values) if detail >= 0 else step)
