@@ -19,7 +19,7 @@ COARSEST = -6.0
 SMALL = (4, 2)
 """Parts of the width and height that pictures of pilots have."""
 SHOWN = (0.0, 0.5, 1.0)
-"""When pictures are taken, over the duration."""
+"""When surfaces and pictures are looked at, over the duration."""
 
 
 class Calibration:
@@ -77,8 +77,10 @@ class Calibration:
         cubes = standard.surface.cube_size, final.surface.cube_size
         if cubes[0] == cubes[1]:
             final = replace(final, surface=final.surface.model_copy(update={"cube_size": 0.7 * cubes[0]}))
-        frame = fine.scene.last_frame
-        drawn = coarse.surface(frame, standard), fine.surface(frame, standard), fine.surface(frame, final)
+        drawn = [
+            tuple(pilot.surface(frame, settings) for frame in _shown(pilot.scene))
+            for pilot, settings in ((coarse, standard), (fine, standard), (fine, final))
+        ]
         return Surfaces(*drawn, (cubes[0], final.surface.cube_size))
 
     def _pictures(self, pilot: Pilot) -> Pictures:
@@ -86,7 +88,7 @@ class Calibration:
         width, height = standard.render.resolution
         small, larger = ([max(16, width // part // 2 * 2), max(16, height // part // 2 * 2)] for part in SMALL)
         samples = standard.render.samples
-        frames = [round(part * pilot.scene.last_frame) for part in SHOWN]
+        frames = _shown(pilot.scene)
 
         def draw(frame: int, resolution: list[int], samples: int) -> Drawn:
             return pilot.picture(frame, standard, {"resolution": resolution, "samples": samples})
@@ -94,6 +96,10 @@ class Calibration:
         full = tuple(draw(frame, small, samples) for frame in frames)
         one, more = draw(frames[1], small, 1), draw(frames[1], larger, 1)
         return Pictures(full, one, more, (small[0] * small[1], larger[0] * larger[1]), samples)
+
+
+def _shown(scene: Scene) -> list[int]:
+    return [round(part * scene.last_frame) for part in SHOWN]
 
 
 def _told(scene: Scene) -> str:

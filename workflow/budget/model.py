@@ -15,6 +15,7 @@ from scipy.optimize import nnls
 from workflow.budget.pilot import Drawn, Simulated
 from workflow.memory import particles
 from workflow.scene import Scene
+from workflow.timeline import Timeline
 
 
 @dataclass(frozen=True)
@@ -27,11 +28,11 @@ class Flight:
 
 @dataclass(frozen=True)
 class Surfaces:
-    """Surfaces of the same frame: of the coarse pilot, of the fine one, and of that with other cubes."""
+    """Surfaces of the same frames: of the coarse pilot, of the fine one, and of that with other cubes."""
 
-    coarse: Drawn
-    fine: Drawn
-    cubes: Drawn
+    coarse: tuple[Drawn, ...]
+    fine: tuple[Drawn, ...]
+    cubes: tuple[Drawn, ...]
     cube_sizes: tuple[float, float]
     """Of the first two, and of the third."""
 
@@ -101,11 +102,13 @@ class Model:
         pilot, more = self._fine.simulated, self._more(scene)
         overheads = (
             pilot.overhead,
-            self._surfaces.fine.overhead if self._surfaces else 0.0,
+            _mean(self._surfaces.fine, "overhead") if self._surfaces else 0.0,
             self._pictures.one_sample.overhead,
         )
         stepping = self.simulate(scene) + pilot.output * more
-        return Prediction(stepping, surface, picture, overheads, frames * (pilot.size * more + mesh + image))
+        segments = Timeline(scene.simulation.fps, scene.last_frame).segments
+        size = frames * (pilot.size * more + mesh + image) + segments * pilot.fixed
+        return Prediction(stepping, surface, picture, overheads, size)
 
     def _more(self, scene: Scene) -> float:
         """Points of a scene over those of the fine pilot."""
@@ -122,7 +125,7 @@ class Model:
         ratio = np.log(found.cube_sizes[0] / found.cube_sizes[1])
         result = []
         for name in ("seconds", "size"):
-            coarse, fine, other = (getattr(drawn, name) for drawn in (found.coarse, found.fine, found.cubes))
+            coarse, fine, other = (_mean(drawn, name) for drawn in (found.coarse, found.fine, found.cubes))
             of_points, of_cubes = _exponent(fine, coarse, self._finer, 3.0), _exponent(other, fine, ratio, 3.0)
             result.append(fine * finer**of_points * cubes**of_cubes)
         return result[0], result[1]
@@ -134,11 +137,11 @@ class Model:
         width, height = scene.render.resolution
         per_pixel = max(0.0, (found.more_pixels.seconds - found.one_sample.seconds) / (many - few))
         constant = max(0.0, found.one_sample.seconds - few * per_pixel)
-        mean = np.mean([drawn.seconds for drawn in found.frames])
+        mean = _mean(found.frames, "seconds")
         per_sample = max(0.0, (mean - found.one_sample.seconds) / (few * max(1, found.samples - 1)))
         pixels = width * height
         seconds = constant + pixels * (per_pixel + per_sample * (scene.render.samples - 1))
-        return float(seconds), float(np.mean([drawn.size for drawn in found.frames]) * pixels / few)
+        return float(seconds), _mean(found.frames, "size") * pixels / few
 
 
 def spacing(scene: Scene) -> float:
@@ -148,6 +151,10 @@ def spacing(scene: Scene) -> float:
         return simulation.fluid.spacing
     sheets = simulation.cloth.sheets.values() if simulation.cloth is not None else ()
     return min((sheet.spacing for sheet in sheets if sheet.spacing), default=1.0)
+
+
+def _mean(drawn: Sequence[Drawn], name: str) -> float:
+    return float(np.mean([getattr(one, name) for one in drawn]))
 
 
 def _total(values: np.ndarray, simulated: Simulated) -> float:

@@ -41,7 +41,9 @@ class Simulated:
     output: float
     """Of a frame [s]."""
     size: float
-    """Of a frame's files [bytes]."""
+    """Of a frame's points [bytes]."""
+    fixed: float
+    """Of a job's other files [bytes]."""
 
 
 @dataclass(frozen=True)
@@ -81,9 +83,17 @@ class Pilot:
         stepping = np.bincount(frame, _without_loading(found["wall_s"]), last)
         output = read(out)["wall_s"].get("output", 0.0)
         overhead = total - stepping.sum() - output
-        size = sum(path.stat().st_size for path in out.iterdir()) / (last + 1)
+        sizes = {path.name: path.stat().st_size for path in out.iterdir()}
+        points = sum(size for name, size in sizes.items() if name.startswith(_POINTS))
         return Simulated(
-            steps, mean("n_fluid"), mean("pressure_iterations"), stepping, overhead, output / (last + 1), size
+            steps=steps,
+            particles=mean("n_fluid"),
+            iterations=mean("pressure_iterations"),
+            stepping=stepping,
+            overhead=overhead,
+            output=output / (last + 1),
+            size=points / (last + 1),
+            fixed=sum(sizes.values()) - points,
         )
 
     def surface(self, frame: int, settings: Scene) -> Drawn:
@@ -124,6 +134,7 @@ class Pilot:
         return time.perf_counter() - start
 
 
+_POINTS = ("fluid_", "cloth_", "state_")
 _COLUMNS = ("time", "wall_s", "n_fluid", "pressure_iterations")
 
 
