@@ -36,6 +36,9 @@ def test_a_copy_among_the_results(fresh):
 def test_wrong_configuration(fresh):
     refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "quality=best"), "best", "draft, standard, final")
     refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "qualty=draft"), "qualty", "quality")
+    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "budget=soon"), "budget=soon", "10min")
+    both = "--config", "budget=5min", "quality=draft"
+    refused(fresh.snakemake("-n", "renders/tests/pond", *both), "a budget chooses the quality")
 
 
 def test_a_part_that_the_film_does_not_have(fresh):

@@ -1,15 +1,20 @@
-"""A model of a film, from pilots of it on the machine at hand."""
+"""A model of a film, from pilots of it on the machine at hand.
+
+Jobs run side by side, as those of the film do: cores that share a memory slow each other.
+"""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
 from workflow.budget.detail import load_at
 from workflow.budget.model import Flight, Model, Pictures, Surfaces, spacing
 from workflow.budget.pilot import Drawn, Pilot
+from workflow.budget.schedule import SIDE_BY_SIDE
 from workflow.memory import particles
 from workflow.scene import Scene
 
@@ -23,11 +28,12 @@ SHOWN = (0.0, 0.5, 1.0)
 
 
 class Calibration:
-    """Pilots of the scene at `path`, each thread count that of a job; `tell` is told what goes on."""
+    """Pilots of the scene at `path` on so many cores; `tell` is told what goes on."""
 
-    def __init__(self, path: Path, threads: int, folder: Path, tell: Callable[[str], None]):
+    def __init__(self, path: Path, cores: int, folder: Path, tell: Callable[[str], None]):
         self._path = path
-        self._threads = threads
+        self._threads = max(1, cores // SIDE_BY_SIDE)
+        self._pool = ThreadPoolExecutor(min(SIDE_BY_SIDE, cores))
         self._folder = folder
         self._tell = tell
 
@@ -35,10 +41,8 @@ class Calibration:
         """Raises PilotFailed, SceneError."""
         scenes = [load_at(self._path, detail) for detail in self._details()]
         pilots = [Pilot(scene, self._made(f"pilot_{k}"), self._threads) for k, scene in enumerate(scenes)]
-        flights = []
-        for pilot in pilots:
-            self._tell(f"pilot with {_told(pilot.scene)}")
-            flights.append(Flight(pilot.scene, pilot.simulate()))
+        self._tell(f"pilots with {' and '.join(_told(scene) for scene in scenes)}")
+        flights = map(Flight, scenes, self._pool.map(Pilot.simulate, pilots))
         surfaces = self._surfaces(*pilots) if scenes[1].simulation.fluid is not None else None
         self._tell("pictures of the pilot")
         return Model(*flights, surfaces, self._pictures(pilots[1]))
@@ -46,8 +50,8 @@ class Calibration:
     def probe(self, model: Model, scene: Scene) -> None:
         """Correct a model by what the first frame takes at a detail."""
         self._tell(f"first frame with {_told(scene)}")
-        folder = self._made("probe")
-        model.correct(scene, Pilot(scene, folder, self._threads).simulate(last=1))
+        pilots = [Pilot(scene, self._made("probe"), self._threads) for _ in range(SIDE_BY_SIDE)]
+        model.correct(scene, list(self._pool.map(lambda pilot: pilot.simulate(last=1), pilots)))
 
     def _made(self, name: str) -> Path:
         return Path(tempfile.mkdtemp(dir=self._folder, prefix=f"{name}-"))
@@ -77,11 +81,14 @@ class Calibration:
         cubes = standard.surface.cube_size, final.surface.cube_size
         if cubes[0] == cubes[1]:
             final = replace(final, surface=final.surface.model_copy(update={"cube_size": 0.7 * cubes[0]}))
-        drawn = [
-            tuple(pilot.surface(frame, settings) for frame in _shown(pilot.scene))
-            for pilot, settings in ((coarse, standard), (fine, standard), (fine, final))
-        ]
-        return Surfaces(*drawn, (cubes[0], final.surface.cube_size))
+        wanted = (coarse, standard), (fine, standard), (fine, final)
+        drawn = list(self._pool.map(lambda job: job[0].surface(*job[1:]), [
+            (pilot, frame, settings) for pilot, settings in wanted for frame in _shown(pilot.scene)
+        ]))  # fmt: skip
+        count = len(SHOWN)
+        return Surfaces(
+            *(tuple(drawn[k : k + count]) for k in range(0, len(drawn), count)), (cubes[0], final.surface.cube_size)
+        )
 
     def _pictures(self, pilot: Pilot) -> Pictures:
         standard = load_at(self._path, 1.0)
@@ -93,9 +100,9 @@ class Calibration:
         def draw(frame: int, resolution: list[int], samples: int) -> Drawn:
             return pilot.picture(frame, standard, {"resolution": resolution, "samples": samples})
 
-        full = tuple(draw(frame, small, samples) for frame in frames)
-        one, more = draw(frames[1], small, 1), draw(frames[1], larger, 1)
-        return Pictures(full, one, more, (small[0] * small[1], larger[0] * larger[1]), samples)
+        jobs = [*((frame, small, samples) for frame in frames), (frames[1], small, 1), (frames[1], larger, 1)]
+        *full, one, more = self._pool.map(lambda job: draw(*job), jobs)
+        return Pictures(tuple(full), one, more, (small[0] * small[1], larger[0] * larger[1]), samples)
 
 
 def _shown(scene: Scene) -> list[int]:

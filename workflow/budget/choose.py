@@ -63,7 +63,7 @@ def chosen(path: Path, name: str, budget: float, cores: int) -> Choice:
     start = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="tidemill-") as folder:
         tell = _teller(name)
-        calibration = Calibration(path, max(1, cores // SIDE_BY_SIDE), Path(folder), tell)
+        calibration = Calibration(path, cores, Path(folder), tell)
         model = calibration.model()
         detail, probed = _finest(path, model, budget, cores), None
         while probed is None or abs(detail - probed) > AGAIN:

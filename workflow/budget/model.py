@@ -88,11 +88,13 @@ class Model:
         constant, each, iteration = self._terms
         return self._correction * steps * (constant + count * (each + iteration * iterations))
 
-    def correct(self, scene: Scene, probe: Simulated) -> None:
-        """Scale what is predicted for a scene to what its first frames took, if they hold what is simulated."""
-        if self._terms is None or probe.particles.any():
-            expected = self.simulate(scene)[: len(probe.stepping)].sum()
-            self._correction *= float(probe.stepping.sum() / expected)
+    def correct(self, scene: Scene, probes: Sequence[Simulated]) -> None:
+        """Scale what is predicted for a scene to what its first frames took, on average, if they hold what is
+        simulated."""
+        first = probes[0]
+        if self._terms is None or first.particles.any():
+            expected = self.simulate(scene)[: len(first.stepping)].sum()
+            self._correction *= float(np.mean([probe.stepping.sum() for probe in probes]) / expected)
 
     def predict(self, scene: Scene) -> Prediction:
         """What a scene's film takes."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -116,7 +117,7 @@ class Pilot:
         if self._plan.has_surface and not surface.exists():
             self.surface(frame, settings)
         spec = {**json.loads(Plan(settings, ROOT).job("render").spec), **changes}
-        out = self._folder / f"picture_{frame}_{len(list(self._folder.iterdir()))}"
+        out = Path(tempfile.mkdtemp(dir=self._folder, prefix=f"picture_{frame}_"))
         words = ["--spec", json.dumps(spec), "--simulation", str(self._folder / "simulation")]
         words += ["--surface", str(surface)] if self._plan.has_surface else []
         words += ["--frames", f"{frame}:{frame}", "--fps", f"{self.scene.simulation.fps:.17g}"]

@@ -77,5 +77,5 @@ def test_a_probe_corrects_what_the_pilots_did_not_tell(model):
     whole = took(scene)
     first = {name: getattr(whole, name)[:1] for name in ("steps", "particles", "iterations")}
     probe = replace(whole, **first, stepping=1.7 * whole.stepping[:1])
-    model.correct(scene, probe)
+    model.correct(scene, [probe, probe])
     assert model.predict(scene).simulate.sum() == pytest.approx(1.7 * whole.stepping.sum(), rel=0.02)
