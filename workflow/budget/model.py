@@ -90,10 +90,11 @@ class Model:
 
     def correct(self, scene: Scene, probes: Sequence[Simulated]) -> None:
         """Scale what is predicted for a scene to what its first frames took, on average, if they hold what is
-        simulated."""
-        first = probes[0]
-        if self._terms is None or first.particles.any():
-            expected = self.simulate(scene)[: len(first.stepping)].sum()
+        simulated; what first frames of the fine pilot took differs from its own prediction, too."""
+        count, pilot = len(probes[0].stepping), self._fine.simulated
+        if self._terms is None or probes[0].particles.any():
+            usual = pilot.stepping[:count].sum() / self.simulate(self._fine.scene)[:count].sum() * self._correction
+            expected = self.simulate(scene)[:count].sum() * usual
             self._correction *= float(np.mean([probe.stepping.sum() for probe in probes]) / expected)
 
     def predict(self, scene: Scene) -> Prediction:
