@@ -42,7 +42,7 @@ class Calibration:
         scenes = [load_at(self._path, detail) for detail in self._details()]
         pilots = [Pilot(scene, self._made(f"pilot_{k}"), self._threads) for k, scene in enumerate(scenes)]
         self._tell(f"pilots with {' and '.join(_told(scene) for scene in scenes)}")
-        flights = map(Flight, scenes, self._pool.map(Pilot.simulate, pilots))
+        flights = list(map(Flight, scenes, self._pool.map(Pilot.simulate, pilots)))
         surfaces = self._surfaces(*pilots) if scenes[1].simulation.fluid is not None else None
         self._tell("pictures of the pilot")
         return Model(*flights, surfaces, self._pictures(pilots[1]))
