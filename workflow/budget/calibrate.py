@@ -106,7 +106,8 @@ class Calibration:
 
 
 def _shown(scene: Scene) -> list[int]:
-    return [round(part * scene.last_frame) for part in SHOWN]
+    """The first of two frames each."""
+    return [round(part * (scene.last_frame - 1)) for part in SHOWN]
 
 
 def _told(scene: Scene) -> str:

@@ -98,21 +98,24 @@ class Pilot:
         )
 
     def surface(self, frame: int, settings: Scene) -> Drawn:
-        """The surface of a frame with the settings of a scene; raises PilotFailed."""
+        """The surface of a frame with the settings of a scene, made with that of the next; raises PilotFailed."""
         spec = json.loads(self._plan.job("reconstruct").spec)
         spec["surface"] = settings.surface.model_dump(mode="json")
         out = self._surfaces(settings, frame)
         words = ["--spec", json.dumps(spec), "--simulation", str(self._folder / "simulation")]
-        total = self._run("reconstruct", [*words, "--frames", f"{frame}:{frame}"], out)
+        total = self._run("reconstruct", [*words, "--frames", f"{frame}:{frame + 1}"], out)
         wall = read(out)["wall_s"]
-        seconds = sum(wall.get(phase, 0.0) for phase in ("load", "splashsurf", "write"))
-        return Drawn(seconds, total - seconds, (out / f"surface_{frame:05d}.ply").stat().st_size)
+        both = sum(wall.get(phase, 0.0) for phase in ("load", "splashsurf", "write"))
+        return Drawn(both / 2, total - both, (out / f"surface_{frame:05d}.ply").stat().st_size)
 
     def _surfaces(self, settings: Scene, frame: int) -> Path:
         return self._folder / f"surface_{settings.surface.cube_size:g}_{frame}"
 
     def picture(self, frame: int, settings: Scene, changes: Mapping[str, Any]) -> Drawn:
-        """The picture of a frame with the settings of a scene, some of them changed; raises PilotFailed."""
+        """The picture of a frame with the settings of a scene, some of them changed; raises PilotFailed.
+
+        It is the second of its process: Blender takes longer for the first.
+        """
         surface = self._surfaces(settings, frame)
         if self._plan.has_surface and not surface.exists():
             self.surface(frame, settings)
@@ -120,10 +123,10 @@ class Pilot:
         out = Path(tempfile.mkdtemp(dir=self._folder, prefix=f"picture_{frame}_"))
         words = ["--spec", json.dumps(spec), "--simulation", str(self._folder / "simulation")]
         words += ["--surface", str(surface)] if self._plan.has_surface else []
-        words += ["--frames", f"{frame}:{frame}", "--fps", f"{self.scene.simulation.fps:.17g}"]
+        words += ["--frames", f"{frame}:{frame + 1}", "--fps", f"{self.scene.simulation.fps:.17g}"]
         total = self._run("render", words, out)
-        seconds = sum(read(out)["wall_s_per_frame"])
-        return Drawn(seconds, total - seconds, (out / f"{frame:05d}.png").stat().st_size)
+        seconds = read(out)["wall_s_per_frame"][1]
+        return Drawn(seconds, total - 2 * seconds, (out / f"{frame:05d}.png").stat().st_size)
 
     def _run(self, stage: str, words: Sequence[str], out: Path) -> float:
         """Wall time of a stage's command [s]."""
