@@ -18,6 +18,10 @@ from workflow.scene import Scene
 from workflow.timeline import Timeline
 
 
+COPIES = 2
+"""Of a picture: in results/ and in renders/."""
+
+
 @dataclass(frozen=True)
 class Flight:
     """A pilot's scene and what its simulation took."""
@@ -110,7 +114,7 @@ class Model:
         )
         stepping = self.simulate(scene) + pilot.output * more
         segments = Timeline(scene.simulation.fps, scene.last_frame).segments
-        size = frames * (pilot.size * more + mesh + image) + segments * pilot.fixed
+        size = frames * (pilot.size * more + mesh + COPIES * image) + segments * pilot.fixed
         return Prediction(stepping, surface, picture, overheads, size)
 
     def _more(self, scene: Scene) -> float:

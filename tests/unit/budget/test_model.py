@@ -67,7 +67,7 @@ def test_finer_scenes(model, detail):
     width, height = scene.render.resolution
     assert found.picture == pytest.approx(picture(width * height, scene.render.samples), rel=1e-6)
     frames = scene.last_frame + 1
-    files = 32 * particles(scene) + surface(scene, scene.surface.cube_size).size + 0.1 * width * height
+    files = 32 * particles(scene) + surface(scene, scene.surface.cube_size).size + 2 * 0.1 * width * height
     assert found.size == pytest.approx(frames * files + 5 * 5e6, rel=0.02)
 
 
