@@ -17,7 +17,6 @@ from workflow.memory import particles
 from workflow.scene import Scene
 from workflow.timeline import Timeline
 
-
 COPIES = 2
 """Of a picture: in results/ and in renders/."""
 
