@@ -146,7 +146,7 @@ class ImplicitEuler(Settings):
 class SymplecticEuler(Settings):
     """Explicit steps, as many as stability asks for."""
 
-    share: Annotated[Dimensionless, Gt(0), Le(1)] = 0.8
+    share: Annotated[Dimensionless, Gt(0), Le(1)] = 0.7
     """Length of a step over the longest stable one."""
 
 

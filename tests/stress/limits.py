@@ -186,7 +186,7 @@ def limits() -> dict[str, Limit]:
         "symplectic": Limit(
             "step of symplectic Euler over Gershgorin's bound",
             "cloth.symplectic_euler.share",
-            0.8,
+            0.7,
             _symplectic,
             (0.3, 4.0),
             _highest_frequency(),
