@@ -38,7 +38,7 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         from workflow.surface import reconstruct
     out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for frame in range(frames.first, frames.last + 1):
+    for frame in frames:
         with watch.phase("load"):
             path = simulation / f"fluid_{frame:05d}.ply"
             try:

@@ -8,6 +8,7 @@ seconds gains segments and changes none.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 LONGEST_SEGMENT = 16
@@ -28,6 +29,9 @@ class Frames:
 
     def __len__(self) -> int:
         return self.last - self.first + 1
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(range(self.first, self.last + 1))
 
     @classmethod
     def parse(cls, text: str) -> Frames:

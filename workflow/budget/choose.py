@@ -20,7 +20,7 @@ from workflow.budget.schedule import SIDE_BY_SIDE, wall
 from workflow.plan import RESULTS, Plan
 from workflow.scene import QUALITIES, Scene, load
 from workflow.stage import write_json
-from workflow.timeline import Frames, Timeline
+from workflow.timeline import Timeline
 
 STEP = 0.05
 """Between details that are looked at."""
@@ -94,17 +94,13 @@ def forecast(model: Model, scene: Scene, cores: int) -> Forecast:
     timeline = Timeline(scene.simulation.fps, scene.last_frame)
     own, surface, picture = found.overheads
     steps = [0.0, *found.simulate]
-    segments = [own + sum(steps[k] for k in _frames(timeline.segment(k))) for k in range(timeline.segments)]
+    segments = [own + sum(steps[frame] for frame in timeline.segment(k)) for k in range(timeline.segments)]
     surfaces = [surface + len(timeline.segment(k)) * found.surface for k in range(timeline.segments)]
     if scene.simulation.fluid is None:
         surfaces = []
     blocks = [picture + len(timeline.block(k)) * found.picture for k in range(timeline.blocks)]
     time = wall(timeline, segments, surfaces, blocks, FILM, slots=min(SIDE_BY_SIDE, cores))
     return Forecast(time, sum(segments), sum(surfaces), sum(blocks), found.size)
-
-
-def _frames(part: Frames) -> range:
-    return range(part.first, part.last + 1)
 
 
 def _finest(path: Path, model: Model, budget: float, cores: int) -> float:

@@ -83,11 +83,10 @@ class Model:
         """Seconds of stepping, shape [frames]."""
         pilot = self._fine.simulated
         finer = spacing(self._fine.scene) / spacing(scene)
-        steps = pilot.steps * finer**self._steps
         if self._terms is None:
-            return self._correction * steps / np.maximum(pilot.steps, 1) * pilot.stepping * finer**self._cost
-        more = particles(scene) / max(1, particles(self._fine.scene))
-        count, iterations = pilot.particles * more, pilot.iterations * finer**self._iterations
+            return self._correction * pilot.stepping * finer ** (self._steps + self._cost)
+        steps = pilot.steps * finer**self._steps
+        count, iterations = pilot.particles * self._more(scene), pilot.iterations * finer**self._iterations
         constant, each, iteration = self._terms
         return self._correction * steps * (constant + count * (each + iteration * iterations))
 
