@@ -71,6 +71,15 @@ def test_finer_scenes(model, detail):
     assert found.size == pytest.approx(frames * files + 5 * 5e6, rel=0.02)
 
 
+def test_more_frames_take_as_long_together(model):
+    """Presets may differ in their frames a second."""
+    scene = load_at(SCENE, 1.0)
+    often = replace(scene, simulation=scene.simulation.model_copy(update={"fps": 2 * scene.simulation.fps}))
+    usual, found = model.simulate(scene), model.simulate(often)
+    assert len(found) == 2 * len(usual)
+    assert found.reshape(-1, 2).sum(axis=1) == pytest.approx(usual, rel=1e-9)
+
+
 def test_a_probe_corrects_what_the_pilots_did_not_tell(model):
     """Every step 1.7 times as long, as where particles no longer fit the cache."""
     scene = load_at(SCENE, 1.0)
