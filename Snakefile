@@ -10,6 +10,10 @@ from workflow.memory import estimate
 
 min_version("9.0")
 
+
+report: "workflow/report/workflow.rst"
+
+
 catalog = Catalog(Path(workflow.basedir), config, workflow.cores or os.cpu_count() or 1)
 
 

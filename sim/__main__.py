@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sim.settings import Refused
 
+FAILED = 1
 REFUSED = 2
 
 EXAMPLES = """\
@@ -15,7 +16,7 @@ examples:
   python -m sim check scenes/bunny.yaml
       validate the scene at each of its presets; nothing is simulated
   python -m sim explain scenes/bunny.yaml
-      what it models, what it leaves out and could leave out, and what it costs
+      what it models, what it leaves out and could leave out, and what it costs; --measure tries that out
   python -m sim run scenes/bunny.yaml --out out --quality draft
       simulate all frames into out/: fluid_00042.ply, bodies.csv, steps.csv, state_00072.npz, summary.json
   python -m sim run scenes/bunny.yaml --out out --set fluid.viscosity=0.01 --set gravity='[0, -1.62, 0]'
@@ -23,7 +24,7 @@ examples:
   python -m sim run scenes/bunny.yaml --out more --resume out/state_00024.npz
       go on from a state
 
-exit status: 0 done, 2 refused (the message names field, line and remedy), 3 stopped by the failure
+exit status: 0 done, 1 failed, 2 refused (the message names field, line and remedy), 3 stopped by the failure
 policy (see failure.json; the last good state is kept)
 """
 
@@ -43,6 +44,11 @@ def main(arguments: list[str] | None = None) -> int:
         command.add_argument("scene", type=Path, help="scene file, as scenes/bunny.yaml")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
+    explain.add_argument(
+        "--measure",
+        action="store_true",
+        help="predict time and disk of the film, after coarse copies of it on all cores",
+    )
     _add_run_options(run)
     options = parser.parse_args(arguments)
     return {"check": _check, "explain": _explain, "run": _run}[options.command](options)
@@ -74,7 +80,7 @@ def _check(options: argparse.Namespace) -> int:
                 raise scene.error(refused) from None
             print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {summary}")
             for combination in scene.wedge:
-                combination_of(scene, combination.name)
+                combination_of(scene, combination.name, options.set)
             if scene.wedge:
                 print(f"{options.scene} ({quality}): {len(scene.wedge)} combinations, all valid")
     except SceneError as error:
@@ -85,7 +91,8 @@ def _check(options: argparse.Namespace) -> int:
 
 def _explain(options: argparse.Namespace) -> int:
     from sim.explain import explain
-    from workflow.costs import costs
+    from workflow.budget.pilot import PilotFailed
+    from workflow.costs import costs, measured
     from workflow.document import SceneError
     from workflow.scene import load
 
@@ -95,12 +102,16 @@ def _explain(options: argparse.Namespace) -> int:
             found = explain(scene.simulation, scene.folder, scene.duration)
         except Refused as refused:
             raise scene.error(refused) from None
+        prices = costs(scene) + (measured(scene, options.set) if options.measure else [])
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
+    except PilotFailed as failed:
+        print(f"a coarse copy of {options.scene} failed, so that nothing can be predicted\n{failed}", file=sys.stderr)
+        return FAILED
     print(f"{options.scene} ({scene.quality}): {scene.duration:g} s, {scene.last_frame + 1} frames")
     parts = {"models": found.models, "leaves out": found.leaves_out, "could leave out": found.could_leave_out}
-    parts["costs"] = costs(scene)
+    parts["costs"] = prices
     width = max(len(line.subject) for lines in parts.values() for line in lines)
     for title, lines in parts.items():
         print(f"\n{title}{'' if lines else ': nothing'}")

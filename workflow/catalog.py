@@ -82,7 +82,7 @@ class Catalog(JobLookup):
     def _within_budget(self, name: str) -> Scene:
         """Imported only for budgets: films need nothing of it."""
         from workflow.budget.choose import chosen
-        from workflow.budget.detail import load_at
+        from workflow.budget.detail import Presets
         from workflow.budget.pilot import PilotFailed
 
         if MARK in name:
@@ -93,7 +93,7 @@ class Catalog(JobLookup):
             stop(f"{RESULTS}/{name}/{BUDGET} was made with a budget\n  fix: give it again, as --config budget=10min")
         path = SCENE_FILES.find(name)
         try:
-            return load_at(path, chosen(path, name, self._budget, self._cores).detail)
+            return Presets(path).at(chosen(path, name, self._budget, self._cores).detail)
         except Refused as refused:
             stop(f"{refused.message}\n  fix: {refused.remedy}")
         except PilotFailed as failed:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from sim.explain import Line
@@ -10,6 +12,16 @@ from workflow.memory import estimate, particles
 from workflow.plan import FILMS
 from workflow.scene import Scene
 from workflow.summaries import read
+
+
+def measured(scene: Scene, overrides: Sequence[str]) -> list[Line]:
+    """What the film is predicted to take on all cores, after coarse copies of it; raises SceneError, PilotFailed."""
+    from workflow.budget.detail import Presets
+    from workflow.budget.forecast import predicted, teller
+
+    cores = os.cpu_count() or 1
+    found = predicted(Presets(scene.path, overrides), scene, cores, teller(scene.name))
+    return [Line("forecast", f"{found}, on {cores} cores")]
 
 
 def costs(scene: Scene) -> list[Line]:

@@ -111,14 +111,14 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
     return Scene(**{**vars(scene), "assets": digests})
 
 
-def combination_of(scene: Scene, name: str) -> Scene:
-    """The scene at one combination of its wedge; raises SceneError."""
+def combination_of(scene: Scene, name: str, overrides: Sequence[str] = ()) -> Scene:
+    """The scene, which was loaded with these overrides, at one combination of its wedge; raises SceneError."""
     known = {combination.name: combination for combination in scene.wedge}
     if name not in known:
         fix = suggestion(name, known) if known else "give the scene a `wedge:`, or leave out what follows the @"
         raise SceneError([f"{scene.path}: its wedge has no combination '{name}'\n  fix: {fix}"])
     try:
-        found = load(scene.path, quality=scene.quality, overrides=known[name].overrides)
+        found = load(scene.path, quality=scene.quality, overrides=(*overrides, *known[name].overrides))
     except SceneError as error:
         mark = scene.document.mark(("wedge",))
         where = f"{mark.source}:{mark.line}: wedge: "

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
-from workflow.budget.detail import load_at
+from workflow.budget.detail import Presets
 from workflow.budget.model import Flight, Model, Pictures, Surfaces, spacing
 from workflow.budget.pilot import Drawn, Pilot
 from workflow.budget.schedule import SIDE_BY_SIDE
@@ -28,10 +28,10 @@ SHOWN = (0.0, 0.5, 1.0)
 
 
 class Calibration:
-    """Pilots of the scene at `path` on so many cores; `tell` is told what goes on."""
+    """Pilots of a scene on so many cores; `tell` is told what goes on."""
 
-    def __init__(self, path: Path, cores: int, folder: Path, tell: Callable[[str], None]):
-        self._path = path
+    def __init__(self, presets: Presets, cores: int, folder: Path, tell: Callable[[str], None]):
+        self._presets = presets
         self._threads = max(1, cores // SIDE_BY_SIDE)
         self._pool = ThreadPoolExecutor(min(SIDE_BY_SIDE, cores))
         self._folder = folder
@@ -39,7 +39,7 @@ class Calibration:
 
     def model(self) -> Model:
         """Raises PilotFailed, SceneError."""
-        scenes = [load_at(self._path, detail) for detail in self._details()]
+        scenes = [self._presets.at(detail) for detail in self._details()]
         pilots = [Pilot(scene, self._made(f"pilot_{k}"), self._threads) for k, scene in enumerate(scenes)]
         self._tell(f"pilots with {' and '.join(_told(scene) for scene in scenes)}")
         flights = list(map(Flight, scenes, self._pool.map(Pilot.simulate, pilots)))
@@ -58,8 +58,8 @@ class Calibration:
 
     def _details(self) -> tuple[float, float]:
         """Of the coarse and the fine pilot."""
-        draft = load_at(self._path, 0.0)
-        if spacing(load_at(self._path, 1.0)) == spacing(draft):
+        draft = self._presets.at(0.0)
+        if spacing(self._presets.at(1.0)) == spacing(draft):
             return 0.0, 0.0
         if draft.simulation.fluid is None:
             return -1.0, 0.0
@@ -68,16 +68,16 @@ class Calibration:
     def _with(self, count: int) -> float:
         """The detail, at most draft, with about so many particles."""
         low, high = COARSEST, 0.0
-        if particles(load_at(self._path, high)) <= count:
+        if particles(self._presets.at(high)) <= count:
             return high if count == FINE else -1.0
         for _ in range(8):
             middle = (low + high) / 2
-            low, high = (middle, high) if particles(load_at(self._path, middle)) <= count else (low, middle)
+            low, high = (middle, high) if particles(self._presets.at(middle)) <= count else (low, middle)
         return low
 
     def _surfaces(self, coarse: Pilot, fine: Pilot) -> Surfaces:
         self._tell("surfaces of the pilots")
-        standard, final = load_at(self._path, 1.0), load_at(self._path, 2.0)
+        standard, final = self._presets.at(1.0), self._presets.at(2.0)
         cubes = standard.surface.cube_size, final.surface.cube_size
         if cubes[0] == cubes[1]:
             final = replace(final, surface=final.surface.model_copy(update={"cube_size": 0.7 * cubes[0]}))
@@ -91,7 +91,7 @@ class Calibration:
         )
 
     def _pictures(self, pilot: Pilot) -> Pictures:
-        standard = load_at(self._path, 1.0)
+        standard = self._presets.at(1.0)
         width, height = standard.render.resolution
         small, larger = ([max(16, width // part // 2 * 2), max(16, height // part // 2 * 2)] for part in SMALL)
         samples = standard.render.samples

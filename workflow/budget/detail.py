@@ -19,13 +19,21 @@ KEPT = frozenset({"fps"})
 """Paths of what stays as in the nearest preset: a film has whole frames."""
 
 
-def load_at(path: Path, detail: float) -> Scene:
-    """The scene at `path` with a detail of at most 2; raises SceneError."""
-    presets = [load(path, quality=quality) for quality in QUALITIES]
-    nearest = presets[_nearest(detail)]
-    chosen = dict(_between("", [_settings(scene) for scene in presets], detail))
-    scene = load(path, quality=nearest.quality, overrides=grid.overrides(chosen))
-    return replace(scene, quality=BUDGET)
+class Presets:
+    """The scene at `path` at each of its presets, and between; `overrides` hold at all. Raises SceneError."""
+
+    def __init__(self, path: Path, overrides: Sequence[str] = ()):
+        self.path = path
+        self._overrides = tuple(overrides)
+        self._scenes = [load(path, quality=quality, overrides=overrides) for quality in QUALITIES]
+        self._settings = [_settings(scene) for scene in self._scenes]
+
+    def at(self, detail: float) -> Scene:
+        """The scene with a detail of at most 2; raises SceneError."""
+        nearest = self._scenes[_nearest(detail)]
+        chosen = grid.overrides(dict(_between("", self._settings, detail)))
+        scene = load(self.path, quality=nearest.quality, overrides=(*self._overrides, *chosen))
+        return replace(scene, quality=BUDGET)
 
 
 def _settings(scene: Scene) -> dict[str, Any]:

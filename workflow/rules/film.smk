@@ -4,7 +4,14 @@ rule film:
         simulation=all_parts("simulate"),
         surface=all_parts("reconstruct"),
     output:
-        folder=directory("renders/{scene}"),
+        folder=report(
+            directory("renders/{scene}"),
+            patterns=["{file,[^/]+}.mp4", "{file,contact|plots}.png", "{file,summary}.json"],
+            caption="../report/film.rst",
+            category="Films",
+            subcategory="{scene}",
+            labels={"what": "{file}"},
+        ),
     log:
         "results/{scene}/film.log",
     benchmark:

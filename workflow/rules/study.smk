@@ -35,7 +35,14 @@ rule study:
     input:
         trials=trials_of_study,
     output:
-        folder=directory("studies/{study}"),
+        folder=report(
+            directory("studies/{study}"),
+            patterns=["{file,work_precision}.svg", "{file,points|trials}.csv"],
+            caption="../report/study.rst",
+            category="Studies",
+            subcategory="{study}",
+            labels={"what": "{file}"},
+        ),
     log:
         "results/studies/{study}/logs/study.log",
     threads: 1

@@ -5,7 +5,14 @@ rule wedge:
     input:
         films=lambda wildcards: [plan.job("film").folder for _, plan in catalog.wedge(wildcards.scene).values()],
     output:
-        folder=directory("wedges/{scene}"),
+        folder=report(
+            directory("wedges/{scene}"),
+            patterns=["{file,contact}.png", "{file,table}.csv"],
+            caption="../report/wedge.rst",
+            category="Wedges",
+            subcategory="{scene}",
+            labels={"what": "{file}"},
+        ),
     log:
         "results/{scene}/wedge.log",
     threads: 1

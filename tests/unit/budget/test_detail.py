@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from workflow.budget.detail import load_at
+from workflow.budget.detail import Presets
 from workflow.scene import QUALITIES, load
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
@@ -16,26 +16,26 @@ NAMES = ("bunny", "dam_break", "drape", "everything", "tiny/splash")
 @pytest.mark.parametrize("name", NAMES)
 def test_whole_details_are_the_presets(name):
     for detail, quality in enumerate(QUALITIES):
-        found, preset = load_at(SCENES / f"{name}.yaml", detail), load(SCENES / f"{name}.yaml", quality=quality)
+        found, preset = Presets(SCENES / f"{name}.yaml").at(detail), load(SCENES / f"{name}.yaml", quality=quality)
         assert found.simulation.canonical() == preset.simulation.canonical()
         assert (found.surface, found.render) == (preset.surface, preset.render)
 
 
 def test_between_them_numbers_go_by_powers():
-    found = load_at(SCENES / "bunny.yaml", 0.5)
+    found = Presets(SCENES / "bunny.yaml").at(0.5)
     assert found.simulation.fluid.particle_radius == pytest.approx((0.035 * 0.022) ** 0.5, rel=1e-5)
     assert found.render.resolution == (554, 312)
     assert found.surface.cube_size == pytest.approx((1.25 * 1.0) ** 0.5, rel=1e-5)
 
 
 def test_below_draft_they_go_on():
-    found = load_at(SCENES / "bunny.yaml", -1).simulation.fluid.particle_radius
+    found = Presets(SCENES / "bunny.yaml").at(-1).simulation.fluid.particle_radius
     assert found == pytest.approx(0.035 * 0.035 / 0.022, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_more_detail_is_never_coarser(name):
-    found = [load_at(SCENES / f"{name}.yaml", k / 4) for k in range(9)]
+    found = [Presets(SCENES / f"{name}.yaml").at(k / 4) for k in range(9)]
     pixels = [scene.render.resolution[0] * scene.render.resolution[1] for scene in found]
     assert pixels == sorted(pixels)
     assert all(side % 2 == 0 for scene in found for side in scene.render.resolution)

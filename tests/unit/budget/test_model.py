@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workflow.budget.detail import load_at
+from workflow.budget.detail import Presets
 from workflow.budget.model import Flight, Model, Pictures, Surfaces, spacing
 from workflow.budget.pilot import Drawn, Simulated
 from workflow.memory import particles
@@ -45,7 +45,7 @@ def picture(pixels: int, samples: int) -> float:
 
 @pytest.fixture
 def model():
-    coarse, fine = load_at(SCENE, -2.0), load_at(SCENE, -1.0)
+    coarse, fine = Presets(SCENE).at(-2.0), Presets(SCENE).at(-1.0)
     one = {"overhead": 1.0, "size": 1000.0}
     surfaces = Surfaces((surface(coarse, 1.0),), (surface(fine, 1.0),), (surface(fine, 0.5),), (1.0, 0.5))
     pictures = Pictures(
@@ -60,7 +60,7 @@ def model():
 
 @pytest.mark.parametrize("detail", [0.0, 1.0, 2.0])
 def test_finer_scenes(model, detail):
-    scene = load_at(SCENE, detail)
+    scene = Presets(SCENE).at(detail)
     found = model.predict(scene)
     assert found.simulate.sum() == pytest.approx(took(scene).stepping.sum(), rel=0.02)
     assert found.surface == pytest.approx(surface(scene, scene.surface.cube_size).seconds, rel=0.02)
@@ -73,7 +73,7 @@ def test_finer_scenes(model, detail):
 
 def test_more_frames_take_as_long_together(model):
     """Presets may differ in their frames a second."""
-    scene = load_at(SCENE, 1.0)
+    scene = Presets(SCENE).at(1.0)
     often = replace(scene, simulation=scene.simulation.model_copy(update={"fps": 2 * scene.simulation.fps}))
     usual, found = model.simulate(scene), model.simulate(often)
     assert len(found) == 2 * len(usual)
@@ -82,7 +82,7 @@ def test_more_frames_take_as_long_together(model):
 
 def test_a_probe_corrects_what_the_pilots_did_not_tell(model):
     """Every step 1.7 times as long, as where particles no longer fit the cache."""
-    scene = load_at(SCENE, 1.0)
+    scene = Presets(SCENE).at(1.0)
     whole = took(scene)
     first = {name: getattr(whole, name)[:1] for name in ("steps", "particles", "iterations")}
     probe = replace(whole, **first, stepping=1.7 * whole.stepping[:1])

@@ -46,6 +46,8 @@ def test_every_combination_is_a_scene(scene):
     assert split(moon.name) == ("ball", names[3])
     assert moon.simulation.gravity == (0, -1.62, 0)
     assert moon.simulation.rigid.bodies["ball"].restitution == 0.5
+    slow = load(path, overrides=["duration=2"])
+    assert combination_of(slow, names[3], ["duration=2"]).duration == 2
     assert (whole.film.copy_to, moon.film.copy_to) == ("gallery/ball.mp4", None)
 
 
