@@ -23,7 +23,7 @@ localrules:
 
 wildcard_constraints:
     scene=r".+",
-    quality="draft|standard|final|budget",
+    quality="draft|standard|final|budget|accuracy",
     segment=r"[0-9][0-9][0-9]+",
     block=r"[0-9][0-9][0-9]+",
     study=r".+",

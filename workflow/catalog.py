@@ -9,19 +9,17 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from sim.settings import Refused
-from sim.units import PositiveDuration
+from workflow.aims import AIMS, Aim, aim_of
 from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
 from workflow.plan import RESULTS, Job, Plan
-from workflow.scene import BUDGET, QUALITIES, Scene, combination_of, load
+from workflow.scene import QUALITIES, Scene, combination_of, load
 from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.combinations import MARK, Combination, split
 from workflow.wedge.plan import wedge_job
 
-CONFIG_KEYS = ("quality", "budget")
+CONFIG_KEYS = ("quality", *(aim.key for aim in AIMS))
 
 
 class Catalog(JobLookup):
@@ -30,7 +28,6 @@ class Catalog(JobLookup):
     def __init__(self, root: Path, config: Mapping[str, Any], cores: int = 1):
         super().__init__()
         self._root = root
-        self._cores = cores
         self._plans: dict[tuple[str, str | None], Plan] = {}
         for key in config:
             if key not in CONFIG_KEYS:
@@ -38,12 +35,9 @@ class Catalog(JobLookup):
         self._quality = config.get("quality")
         if self._quality is not None and self._quality not in QUALITIES:
             stop(f"--config quality={self._quality}: no such preset\n  fix: one of {', '.join(QUALITIES)}")
-        self._budget = None
-        if "budget" in config:
-            self._budget = _seconds(config["budget"])
-            if self._quality is not None:
-                stop("--config quality and budget: a budget chooses the quality\n  fix: leave one of them out")
-            self._quality = BUDGET
+        self._aim = aim_of(config, cores)
+        if self._aim is not None:
+            self._quality = self._aim.quality
 
     def plan(self, name: str, quality: str | None = None) -> Plan:
         key = (name, quality or self._quality)
@@ -73,31 +67,24 @@ class Catalog(JobLookup):
 
     def _load(self, name: str, quality: str | None) -> Scene:
         base, combination = split(name)
-        if quality == BUDGET:
-            return self._within_budget(name)
+        aim = next((aim for aim in AIMS if aim.quality == quality), None)
+        if aim is not None:
+            return self._aimed(name, aim)
         if combination:
             return combination_of(self.plan(base, quality).scene, combination)
         return load(SCENE_FILES.find(base), quality=quality)
 
-    def _within_budget(self, name: str) -> Scene:
-        """Imported only for budgets: films need nothing of it."""
-        from workflow.budget.choose import chosen
-        from workflow.budget.detail import Presets
-        from workflow.budget.pilot import PilotFailed
-
+    def _aimed(self, name: str, aim: type[Aim]) -> Scene:
         if MARK in name:
             stop(
-                f"--config budget: {name} is one of a wedge, which has to be as fine as the others\n  fix: use quality"
+                f"--config {aim.key}: {name} is one of a wedge, which has to be as fine as the others\n"
+                f"  fix: use quality"
             )
-        if self._budget is None:
-            stop(f"{RESULTS}/{name}/{BUDGET} was made with a budget\n  fix: give it again, as --config budget=10min")
-        path = SCENE_FILES.find(name)
-        try:
-            return Presets(path).at(chosen(path, name, self._budget, self._cores).detail)
-        except Refused as refused:
-            stop(f"{refused.message}\n  fix: {refused.remedy}")
-        except PilotFailed as failed:
-            stop(f"--config budget: a coarse copy of {path} failed, so that nothing can be predicted\n{failed}")
+        if not isinstance(self._aim, aim):
+            stop(
+                f"{RESULTS}/{name}/{aim.quality} was made with --config {aim.example} or the like\n  fix: give it again"
+            )
+        return self._aim.scene(SCENE_FILES.find(name), name)
 
     def find(self, stage: str, wildcards: Any) -> Job:
         """Wildcards: scene, quality, and the number of the part."""
@@ -118,16 +105,10 @@ class Catalog(JobLookup):
         return copy is None or (original.exists() and copy.exists() and copy.stat().st_size == original.stat().st_size)
 
 
-def _seconds(text: Any) -> float:
-    try:
-        return TypeAdapter(PositiveDuration).validate_python(text)
-    except ValidationError:
-        stop(f"--config budget={text}: no time\n  fix: give one with its unit, as 10min or 2h")
-
-
 def main() -> None:
+    choices = " | ".join([f"quality={'|'.join(QUALITIES)}", *(aim.example for aim in AIMS)])
     print("Make the film of a scene with")
-    print("\n  snakemake --cores all renders/NAME [--config quality=draft|standard|final | budget=10min]\n")
+    print(f"\n  snakemake --cores all renders/NAME [--config {choices}]\n")
     _list(SCENE_FILES, _seen)
     if STUDY_FILES.names():
         print("\nMeasure what accuracy costs with\n\n  snakemake --cores all studies/NAME\n")

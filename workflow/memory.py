@@ -31,6 +31,14 @@ def particles(scene: Scene) -> int:
     fluid = scene.simulation.fluid
     if fluid is None:
         return 0
+    return min(fluid.max_particles, math.ceil(fluid_volume(scene) / fluid.spacing**3))
+
+
+def fluid_volume(scene: Scene) -> float:
+    """Of all that is there at the start or flows in [m^3]; 0 without a fluid."""
+    fluid = scene.simulation.fluid
+    if fluid is None:
+        return 0.0
     bodies = [*fluid.bodies.values()]
     for event in scene.simulation.events:
         bodies += event.add.fluid.values()
@@ -38,8 +46,7 @@ def particles(scene: Scene) -> int:
     emitters = [*fluid.emitters.values()]
     for event in scene.simulation.events:
         emitters += event.add.emitters.values()
-    volume += sum(_rate(emitter) * scene.duration for emitter in emitters)
-    return min(fluid.max_particles, math.ceil(volume / fluid.spacing**3))
+    return volume + sum(_rate(emitter) * scene.duration for emitter in emitters)
 
 
 def _rate(emitter: Emitter) -> float:

@@ -28,8 +28,8 @@ from workflow.wedge.combinations import MARK, Combination, combinations
 
 Quality = Literal["draft", "standard", "final"]
 QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
-BUDGET = "budget"
-"""The quality of a scene whose settings lie between those of presets."""
+BUDGET, ACCURACY = "budget", "accuracy"
+"""The quality of scenes whose settings were chosen for a time, and for an error."""
 
 
 class SceneFile(SimulationSpec):

@@ -38,7 +38,9 @@ def test_wrong_configuration(fresh):
     refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "qualty=draft"), "qualty", "quality")
     refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "budget=soon"), "budget=soon", "10min")
     both = "--config", "budget=5min", "quality=draft"
-    refused(fresh.snakemake("-n", "renders/tests/pond", *both), "a budget chooses the quality")
+    refused(fresh.snakemake("-n", "renders/tests/pond", *both), "quality and budget", "leave one of them out")
+    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "error=0.05"), "error=0.05", "error=5%")
+    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "error=0.0001%"), "can be trusted", "or more")
 
 
 def test_a_part_that_the_film_does_not_have(fresh):

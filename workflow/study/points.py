@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -65,8 +65,3 @@ def front(points: Iterable[Point]) -> list[Point]:
         if not kept or point.error < BETTER * kept[-1].error:
             kept.append(point)
     return kept
-
-
-def cheapest(points: Sequence[Point], error: float) -> Point | None:
-    """The cheapest point with at most this error."""
-    return next((point for point in front(points) if point.error <= error), None)

@@ -117,6 +117,8 @@ class Study(Settings):
     """How often each trial is simulated, for the scatter of its time."""
     threads: Annotated[int, Ge(1), Le(1024)] = 1
     """Of one trial."""
+    speaks_for: Literal["fluid", "rigid", "cloth"] | None = None
+    """Simulations of this material have about its errors with its settings: `--config error=5%` goes by it."""
     limit: Annotated[PositiveDuration, Le(1e6)] = 600.0
     """Wall time after which a trial is given up [s]."""
     color: str | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workflow.study.points import Outcome, Point, cheapest, front
+from workflow.study.points import Outcome, Point, front
 
 
 def point(name: str, cost: float | None, error: float | None, status: str = "done") -> Point:
@@ -25,12 +25,6 @@ POINTS = [
 def test_the_front_goes_down_as_cost_rises():
     assert [found.name for found in front(POINTS)] == ["fast", "good", "slow"]
     assert front(POINTS[-2:]) == []
-
-
-@pytest.mark.parametrize(("error", "name"), [(1.0, "fast"), (0.2, "good"), (0.15, "slow"), (0.05, None)])
-def test_the_cheapest_that_is_exact_enough(error, name):
-    found = cheapest(POINTS, error)
-    assert (found.name if found else None) == name
 
 
 def test_repeats_count_by_their_median_and_fail_together():

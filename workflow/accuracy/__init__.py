@@ -1,0 +1,1 @@
+"""Accuracy: the cheapest settings that studies found exact enough."""

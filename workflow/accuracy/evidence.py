@@ -1,0 +1,124 @@
+"""What studies that speak for a material found, by settings."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim.settings import Refused
+from workflow.accuracy.size import fineness_of_spacing, is_spacing
+from workflow.document import read
+from workflow.scene import Scene
+from workflow.shelf import STUDIES, STUDY_FILES
+from workflow.study.load import LoadedStudy, Trial, load_study
+
+MEASURED = STUDY_FILES.folder / "measured"
+"""Tables of points that come with the project, for studies that were not carried out here."""
+GREATER_IS_FINER = frozenset({"substeps", "max_iterations"})
+"""Settings whose greater values are the more exact ones."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One combination of a study's settings. `error` is none where it failed."""
+
+    study: str
+    chosen: Mapping[str, Any]
+    """By path, without spacings and names."""
+    fineness: Mapping[str, float]
+    """By path, greater for what is finer; of spacings how many go over the size of the material."""
+    names: Mapping[str, str]
+    """By path: what has to be as in a scene, as `fluid.solver`."""
+    error: float | None
+    cost: float
+
+    def finer(self, other: Measured) -> bool:
+        """Whether it is at least as fine as another in all that varies."""
+        return all(self.fineness.get(path, 0.0) >= value for path, value in other.fineness.items())
+
+
+def evidence(material: str, scene: Scene) -> list[list[Measured]]:
+    """The points of every study that speaks for a material of a scene, at the scene's solver; raises Refused,
+    SceneError."""
+    found = []
+    for name in speakers(material):
+        loaded = load_study(STUDY_FILES.find(name), name)
+        points = [point for point in _points(loaded) if _alike(point, scene)]
+        if points:
+            found.append(points)
+    if not found:
+        raise Refused(
+            f"--config error: no study speaks for {material} as in {scene.path}",
+            remedy="choose another solver or integrator, or write a study with `speaks_for` and carry it out",
+        )
+    return found
+
+
+def speakers(material: str) -> list[str]:
+    """Names of the studies that speak for a material."""
+    return [name for name in STUDY_FILES.names() if read(STUDY_FILES.find(name)).data.get("speaks_for") == material]
+
+
+def cheapest(points: Sequence[Measured], error: float) -> Measured | None:
+    """The cheapest point with at most this error, which no finer one exceeds: an error that is small by chance does
+    not count."""
+    trusted = [point for point in points if _worst(point, points) <= error]
+    return min(trusted, key=lambda point: point.cost, default=None)
+
+
+def least_error(points: Sequence[Measured]) -> float:
+    """What the best point can be trusted with; infinite where all failed."""
+    return min(_worst(point, points) for point in points)
+
+
+def _worst(point: Measured, points: Iterable[Measured]) -> float:
+    errors = [other.error for other in points if other.finer(point)]
+    return float("inf") if None in errors else max(errors)
+
+
+def _points(loaded: LoadedStudy) -> Iterable[Measured]:
+    trials = {trial.name: trial for trial in loaded.trials}
+    with _table(loaded.name).open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["trial"] in trials and row["cost"]:
+                yield _measured(loaded, trials[row["trial"]], row)
+
+
+def _table(name: str) -> Path:
+    """Of the last study on this machine, or of that which comes with the project."""
+    own, shipped = Path(STUDIES, name, "points.csv"), MEASURED / f"{name}.csv"
+    for path in (own, shipped):
+        if path.is_file():
+            return path
+    raise Refused(f"--config error: study {name} was not carried out", remedy=f"snakemake --cores all {STUDIES}/{name}")
+
+
+def _measured(loaded: LoadedStudy, trial: Trial, row: Mapping[str, str]) -> Measured:
+    settings = trial.scene.simulation.model_dump(mode="json")
+    chosen, fineness, names = {}, {}, {}
+    for path, value in trial.chosen.items():
+        found = _at(settings, path)
+        if is_spacing(path):
+            fineness[path] = fineness_of_spacing(trial.scene, path)
+        elif isinstance(found, str):
+            names[path] = found
+        else:
+            chosen[path] = value
+            fineness[path] = found if path.rpartition(".")[2] in GREATER_IS_FINER else 1 / found
+    error = float(row["error"]) if row["status"] == "done" else None
+    return Measured(loaded.name, chosen, fineness, names, error, float(row["cost"]))
+
+
+def _alike(point: Measured, scene: Scene) -> bool:
+    settings = scene.simulation.model_dump(mode="json")
+    return all(_at(settings, path) == name for path, name in point.names.items())
+
+
+def _at(settings: Mapping[str, Any], path: str) -> Any:
+    found: Any = settings
+    for key in path.split("."):
+        found = found[key]
+    return found
