@@ -20,6 +20,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from snakemake.utils import update_config
+
 ROOT = Path(__file__).parents[2]
 FRAMES = 4
 BASE: dict[str, Any] = {
@@ -53,12 +55,10 @@ TERMS: dict[str, dict[str, Any]] = {
 }
 
 
-def merged(base: Mapping[str, Any], more: Mapping[str, Any]) -> dict[str, Any]:
-    found = copy.deepcopy(dict(base))
-    for key, value in more.items():
-        both = isinstance(value, dict) and isinstance(found.get(key), dict)
-        found[key] = merged(found[key], value) if both else value
-    return found
+def with_term(more: Mapping[str, Any]) -> dict[str, Any]:
+    scene = copy.deepcopy(BASE)
+    update_config(scene, more)
+    return scene
 
 
 def run(scene: Mapping[str, Any]) -> dict[str, float]:
@@ -87,7 +87,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("terms", nargs="*", metavar="TERM", help="only these")
     given = parser.parse_args(argv)
     chosen = {name: more for name, more in TERMS.items() if not given.terms or name in given.terms}
-    scenes = {"none": BASE} | {name: merged(BASE, more) for name, more in chosen.items()}
+    scenes = {"none": BASE} | {name: with_term(more) for name, more in chosen.items()}
     for scene in scenes.values():
         run(scene)
     found: dict[str, list[dict[str, float]]] = {name: [] for name in scenes}

@@ -40,7 +40,9 @@ def test_wrong_configuration(fresh):
     both = "--config", "budget=5min", "quality=draft"
     refused(fresh.snakemake("-n", "renders/tests/pond", *both), "quality and budget", "leave one of them out")
     refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "error=0.05"), "error=0.05", "error=5%")
-    refused(fresh.snakemake("-n", "renders/tests/pond", "--config", "error=0.0001%"), "can be trusted", "or more")
+    refused(
+        fresh.snakemake("-n", "renders/tests/pond", "--config", "error=5%"), "no study speaks for fluid", "speaks_for"
+    )
 
 
 def test_a_part_that_the_film_does_not_have(fresh):

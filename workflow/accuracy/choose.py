@@ -14,12 +14,12 @@ from typing import Any
 from sim.settings import Refused
 from workflow import grid
 from workflow.accuracy.evidence import Measured, cheapest, evidence, least_error
-from workflow.accuracy.size import is_spacing, spacings
 from workflow.budget.detail import Presets
 from workflow.budget.forecast import Forecast, predicted, teller
 from workflow.budget.pilot import ROOT
 from workflow.plan import RESULTS, Plan
 from workflow.scene import ACCURACY, Scene, load
+from workflow.spacings import is_spacing, resolving
 from workflow.stage import write_json
 
 
@@ -76,7 +76,7 @@ def needed(scene: Scene, error: float) -> Settings:
             if point.fineness[path] > best.get(path, 0.0):
                 best[path], others[path] = point.fineness[path], value
     return Settings(
-        {path: float(f"{value:.4g}") for path, value in spacings(scene, **fineness).items()},
+        {path: float(f"{value:.4g}") for path, value in resolving(scene, **fineness).items()},
         others,
         tuple(_reason(material, point) for material, point in picked),
     )

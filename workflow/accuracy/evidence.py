@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from sim.settings import Refused
-from workflow.accuracy.size import fineness_of_spacing, is_spacing
 from workflow.document import read
 from workflow.scene import Scene
 from workflow.shelf import STUDIES, STUDY_FILES
+from workflow.spacings import fineness_of_spacing, is_spacing
 from workflow.study.load import LoadedStudy, Trial, load_study
 
 MEASURED = STUDY_FILES.folder / "measured"

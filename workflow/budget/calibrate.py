@@ -12,11 +12,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from workflow.budget.detail import Presets
-from workflow.budget.model import Flight, Model, Pictures, Surfaces, spacing
+from workflow.budget.model import Flight, Model, Pictures, Surfaces
 from workflow.budget.pilot import Drawn, Pilot
 from workflow.budget.schedule import SIDE_BY_SIDE
 from workflow.memory import particles
 from workflow.scene import Scene
+from workflow.spacings import spacing
 
 COARSE, FINE = 1500, 5000
 """Particles of the pilots: as few as show what happens, and what a second can follow."""
@@ -59,7 +60,7 @@ class Calibration:
     def _details(self) -> tuple[float, float]:
         """Of the coarse and the fine pilot."""
         draft = self._presets.at(0.0)
-        if spacing(self._presets.at(1.0)) == spacing(draft):
+        if spacing(self._presets.at(-1.0)) == spacing(draft):
             return 0.0, 0.0
         if draft.simulation.fluid is None:
             return -1.0, 0.0

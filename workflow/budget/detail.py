@@ -1,6 +1,6 @@
 """Scenes between presets: detail 0 is draft, 1 standard, 2 final, and numbers that these tell apart go along.
 
-Below 0 they go on as from standard to draft, for pilots.
+Below 0 they go on as from standard to draft, for pilots; and spacings grow where presets leave them alone.
 """
 
 from __future__ import annotations
@@ -13,8 +13,11 @@ from typing import Any
 
 from workflow import grid
 from workflow.scene import BUDGET, QUALITIES, Scene, load
+from workflow.spacings import scaled, spacing
 
 FINEST = float(len(QUALITIES) - 1)
+COARSER = 1.4
+"""How many times spacings that no preset changes are larger where the detail is less by one."""
 KEPT = frozenset({"fps"})
 """Paths of what stays as in the nearest preset: a film has whole frames."""
 
@@ -31,8 +34,10 @@ class Presets:
     def at(self, detail: float) -> Scene:
         """The scene with a detail of at most 2; raises SceneError."""
         nearest = self._scenes[_nearest(detail)]
-        chosen = grid.overrides(dict(_between("", self._settings, detail)))
-        scene = load(self.path, quality=nearest.quality, overrides=(*self._overrides, *chosen))
+        chosen = dict(_between("", self._settings, detail))
+        if detail < 0 and spacing(self._scenes[0]) == spacing(self._scenes[1]):
+            chosen |= scaled(nearest, COARSER**-detail)
+        scene = load(self.path, quality=nearest.quality, overrides=(*self._overrides, *grid.overrides(chosen)))
         return replace(scene, quality=BUDGET)
 
 

@@ -15,6 +15,7 @@ from scipy.optimize import nnls
 from workflow.budget.pilot import Drawn, Simulated
 from workflow.memory import particles
 from workflow.scene import Scene
+from workflow.spacings import spacing
 from workflow.timeline import Timeline
 
 COPIES = 2
@@ -153,15 +154,6 @@ class Model:
         pixels = width * height
         seconds = constant + pixels * (per_pixel + per_sample * (scene.render.samples - 1))
         return float(seconds), _mean(found.frames, "size") * pixels / few
-
-
-def spacing(scene: Scene) -> float:
-    """What tells how fine a scene is simulated [m]: of particles, else of the finest cloth; 1 for neither."""
-    simulation = scene.simulation
-    if simulation.fluid is not None:
-        return simulation.fluid.spacing
-    sheets = simulation.cloth.sheets.values() if simulation.cloth is not None else ()
-    return min((sheet.spacing for sheet in sheets if sheet.spacing), default=1.0)
 
 
 def _mean(drawn: Sequence[Drawn], name: str) -> float:

@@ -11,9 +11,9 @@ from sim.settings import Refused
 from workflow.accuracy import evidence as source
 from workflow.accuracy.choose import needed
 from workflow.accuracy.evidence import Measured, cheapest, least_error
-from workflow.accuracy.size import FLUID, fineness_of_spacing, fluid_size
 from workflow.scene import load
 from workflow.shelf import STUDY_FILES
+from workflow.spacings import FLUID, fineness_of_spacing, fluid_size
 from workflow.study.load import load_study
 
 ROOT = Path(__file__).resolve().parents[3]

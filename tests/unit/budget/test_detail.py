@@ -33,6 +33,26 @@ def test_below_draft_they_go_on():
     assert found == pytest.approx(0.035 * 0.035 / 0.022, rel=1e-5)
 
 
+def test_below_draft_spacings_grow_that_no_preset_changes(tmp_path):
+    (tmp_path / "plain.yaml").write_text(PLAIN)
+    presets = Presets(tmp_path / "plain.yaml")
+    radii = [presets.at(detail).simulation.fluid.particle_radius for detail in (-2, -1, 0, 1, 2)]
+    assert radii == pytest.approx([0.01 * 1.4**2, 0.01 * 1.4, 0.01, 0.01, 0.01])
+    sheets = [presets.at(detail).simulation.cloth.sheets["sheet"].spacing for detail in (-1, 0, 1)]
+    assert sheets == pytest.approx([0.05 * 1.4, 0.05, 0.05])
+
+
+PLAIN = """\
+duration: 1
+fps: 10
+fluid:
+  particle_radius: 0.01
+  bodies: {block: {shape: {type: box, size: [0.2, 0.2, 0.2]}}}
+cloth:
+  sheets: {sheet: {shape: {type: sheet, size: [1, 1]}, spacing: 0.05, position: [0, 2, 0]}}
+"""
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_more_detail_is_never_coarser(name):
     found = [Presets(SCENES / f"{name}.yaml").at(k / 4) for k in range(9)]

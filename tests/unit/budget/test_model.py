@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from workflow.budget.detail import Presets
-from workflow.budget.model import Flight, Model, Pictures, Surfaces, spacing
+from workflow.budget.model import Flight, Model, Pictures, Surfaces
 from workflow.budget.pilot import Drawn, Simulated
 from workflow.memory import particles
+from workflow.spacings import spacing
 
 SCENE = Path(__file__).resolve().parents[3] / "scenes" / "dam_break.yaml"
 STEP, EACH, ITERATION = 2e-3, 1e-7, 3e-8

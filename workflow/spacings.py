@@ -1,4 +1,4 @@
-"""How large a material is, which its spacing is compared with."""
+"""How far points of a scene are from one another, and how large the materials are that they make up."""
 
 from __future__ import annotations
 
@@ -7,6 +7,26 @@ from workflow.scene import Scene
 
 FLUID = "fluid.particle_radius"
 SHEETS = "cloth.sheets"
+
+
+def spacing(scene: Scene) -> float:
+    """What tells how fine a scene is simulated [m]: of particles, else of the finest cloth; 1 for neither."""
+    simulation = scene.simulation
+    if simulation.fluid is not None:
+        return simulation.fluid.spacing
+    sheets = simulation.cloth.sheets.values() if simulation.cloth is not None else ()
+    return min((sheet.spacing for sheet in sheets if sheet.spacing), default=1.0)
+
+
+def scaled(scene: Scene, factor: float) -> dict[str, float]:
+    """Settings [m], by path, with which all spacings are so many times as large."""
+    simulation, found = scene.simulation, {}
+    if simulation.fluid is not None:
+        found[FLUID] = factor * simulation.fluid.particle_radius
+    for name, sheet in simulation.cloth.sheets.items() if simulation.cloth is not None else ():
+        if sheet.spacing:
+            found[f"{SHEETS}.{name}.spacing"] = factor * sheet.spacing
+    return found
 
 
 def is_spacing(path: str) -> bool:
@@ -33,7 +53,7 @@ def sheet_size(scene: Scene, name: str) -> float:
     return max(shape.size)
 
 
-def spacings(scene: Scene, fluid: float | None = None, cloth: float | None = None) -> dict[str, float]:
+def resolving(scene: Scene, fluid: float | None = None, cloth: float | None = None) -> dict[str, float]:
     """Settings [m], by path, with which so many spacings go over fluid and sheets; none changes what it is."""
     found = {}
     if fluid is not None:
