@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from workflow.study.points import Point, front
 from workflow.study.spec import Study
@@ -19,6 +19,9 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5a
 """Of Okabe & Ito (2008): told apart by the colour-blind, too."""
 SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")
 FAILED = "#d00000"
+FEW_POWERS = 2.0
+"""Of ten on an axis: with fewer, numbers between them are written, too."""
+BETWEEN = (2, 3, 5)
 SIZE = (9.5, 6.0)
 """[inch]"""
 
@@ -109,9 +112,10 @@ def _frame(figure: Figure, ax: Axes, study: Study, name: str) -> None:
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         low, high = axis.get_view_interval()
-        if low > 0 and math.log10(high / low) < 1.5:
-            axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
-            ax.tick_params(axis=axis.axis_name, which="minor", labelsize=7)
+        few = low > 0 and math.log10(high / low) < FEW_POWERS
+        axis.set_minor_locator(LogLocator(subs=BETWEEN if few else range(2, 10)))
+        axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:.3g}") if few else NullFormatter())
+        ax.tick_params(axis=axis.axis_name, which="minor", labelsize=7)
 
 
 def _handles(path: str | None, looks: dict[str, str], kind: str) -> list[Line2D]:
