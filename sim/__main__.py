@@ -68,7 +68,8 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     from sim.preview import preview
     from workflow.document import SceneError
-    from workflow.scene import QUALITIES, combination_of, load
+    from workflow.presets import QUALITIES
+    from workflow.scene import combination_of, load
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:

@@ -14,7 +14,8 @@ from workflow.aims import AIMS, Aim, aim_of
 from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
 from workflow.plan import RESULTS, Job, Plan
-from workflow.scene import QUALITIES, Scene, combination_of, load
+from workflow.presets import QUALITIES
+from workflow.scene import Scene, combination_of, load
 from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.combinations import MARK, Combination, split
 from workflow.wedge.plan import wedge_job

@@ -6,12 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from annotated_types import Le, Len
 from pydantic import Field, ValidationError
 
-from render.presets import PRESETS as RENDER_PRESETS
 from render.spec import RenderSpec
 from sim.geometry import assets
 from sim.geometry.spec import MeshFile
@@ -22,12 +21,11 @@ from sim.support import refuse_unsupported
 from sim.units import PositiveDuration
 from workflow.document import Document, SceneError, read
 from workflow.film_spec import FilmSpec
+from workflow.presets import QUALITIES, Quality, below
 from workflow.problems import explain
-from workflow.surface_spec import SURFACE_PRESETS, SurfaceSpec
+from workflow.surface_spec import SurfaceSpec
 from workflow.wedge.combinations import MARK, Combination, combinations
 
-Quality = Literal["draft", "standard", "final"]
-QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
 BUDGET, ACCURACY = "budget", "accuracy"
 """The quality of scenes whose settings were chosen for a time, and for an error."""
 
@@ -95,7 +93,8 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
         raise SceneError(
             [document.problem(("quality",), f"no preset '{quality}'", suggestion(str(quality), QUALITIES))]
         )
-    document = _with_defaults(document, str(quality)).merge(("presets", str(quality)))
+    document = Document(document.source, below(document.data, str(quality)), document.marks)
+    document = document.merge(("presets", str(quality)))
     for override in overrides:
         if override.partition("=")[0].partition(".")[0].strip() in {"quality", "presets"}:
             raise SceneError([f"--set {override}: presets are chosen before\n  fix: use --quality {quality}"])
@@ -130,24 +129,6 @@ def name_of(path: Path) -> str:
     """`scenes/tiny/splash.yaml` is the scene `tiny/splash`."""
     parts = path.with_suffix("").parts
     return "/".join(parts[parts.index("scenes") + 1 :]) if "scenes" in parts[:-1] else path.stem
-
-
-def _with_defaults(document: Document, quality: str) -> Document:
-    """The preset's values for what the scene leaves out; a scene's own values win."""
-    data = dict(document.data)
-    for stage, presets in (("render", RENDER_PRESETS), ("surface", SURFACE_PRESETS)):
-        own = data.get(stage, {})
-        if isinstance(own, dict):
-            data[stage] = _below(presets.get(quality, {}), own)
-    return Document(document.source, data, document.marks)
-
-
-def _below(defaults: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    merged = {**defaults, **own}
-    for key in defaults.keys() & own.keys():
-        if isinstance(defaults[key], dict) and isinstance(own[key], dict):
-            merged[key] = _below(defaults[key], own[key])
-    return merged
 
 
 def _compose(document: Document, path: Path, quality: str) -> Scene:

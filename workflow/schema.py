@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from workflow.meanings import WithMeanings
-from workflow.scene import QUALITIES, SceneFile
+from workflow.presets import QUALITIES
+from workflow.scene import SceneFile
 
 SCHEMA = Path("scenes/schema.json")
 REFERENCE = Path("docs/scene-reference.md")

@@ -6,7 +6,7 @@ Surface Reconstruction of Particle-based Fluids".
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
 
@@ -66,17 +66,3 @@ class ReconstructSpec(Settings):
     """Half the spacing of the particles [m]."""
     rest_density: Density = 1000.0
     surface: SurfaceSpec = SurfaceSpec()
-
-
-SURFACE_PRESETS: dict[str, dict[str, Any]] = {
-    "draft": {
-        "cube_size": 1.25,
-        "surface_threshold": 0.5,
-        "smoothing": {"iterations": 15},
-        "normals": {"smoothing_iterations": 5},
-    },
-    "standard": {"cube_size": 1.0, "surface_threshold": 0.5},
-    "final": {"cube_size": 0.5},
-}
-"""Values that each quality preset changes, in the form of the scene's `surface:` section. Smoothing takes the more off
-the volume the larger the cubes are: the lower threshold makes up for it."""

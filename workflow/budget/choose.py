@@ -14,7 +14,8 @@ from workflow.budget.forecast import Forecast, calibrated, forecast, teller
 from workflow.budget.model import Model
 from workflow.budget.pilot import ROOT
 from workflow.plan import RESULTS, Plan
-from workflow.scene import QUALITIES, load
+from workflow.presets import QUALITIES
+from workflow.scene import load
 from workflow.stage import write_json
 
 STEP = 0.05

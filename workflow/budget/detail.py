@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from workflow import grid
-from workflow.scene import BUDGET, QUALITIES, Scene, load
+from workflow.presets import QUALITIES
+from workflow.scene import BUDGET, Scene, load
 from workflow.spacings import scaled, spacing
 
 FINEST = float(len(QUALITIES) - 1)

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from sim.settings import Name, Settings
 from sim.units import Duration, PositiveDuration
-from workflow.scene import Quality
+from workflow.presets import Quality
 
 Formula = str | float
 """A number, or arithmetic with the names that it is given."""

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from workflow.budget.detail import Presets
-from workflow.scene import QUALITIES, load
+from workflow.presets import QUALITIES
+from workflow.scene import load
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 NAMES = ("bunny", "dam_break", "drape", "everything", "tiny/splash")

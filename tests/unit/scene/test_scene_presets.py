@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from render.spec import RenderSpec
+from workflow.presets import PRESETS, QUALITIES
 from workflow.scene import load
+from workflow.surface_spec import SurfaceSpec
 
 
 def samples(bench, text: str, quality: str, *overrides: str) -> int:
@@ -12,16 +15,23 @@ def samples(bench, text: str, quality: str, *overrides: str) -> int:
 
 
 def test_precedence(bench, scene):
-    from render.presets import PRESETS
-
     plain = scene()
-    assert samples(bench, plain, "draft") == PRESETS["draft"]["samples"]
+    assert samples(bench, plain, "draft") == PRESETS["draft"]["render"]["samples"]
     own = scene(more="render: {samples: 7}")
     assert samples(bench, own, "draft") == samples(bench, own, "final") == 7
     preset = own + "presets: {final: {render: {samples: 9}}}\n"
     assert samples(bench, preset, "draft") == 7
     assert samples(bench, preset, "final") == 9
     assert samples(bench, preset, "final", "render.samples=11") == 11
+
+
+@pytest.mark.parametrize("quality", QUALITIES)
+def test_presets_are_valid_and_hold_for_what_a_scene_has(bench, scene, quality):
+    found = load(bench.write(scene()), quality=quality)
+    assert found.surface == SurfaceSpec.model_validate(PRESETS[quality]["surface"])
+    assert found.render == RenderSpec.model_validate(PRESETS[quality]["render"])
+    assert found.simulation.rigid is not None
+    assert found.simulation.cloth is None
 
 
 def test_the_scene_says_which_preset(bench, scene):

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from workflow.ply import BadPly, columns, read_points
+from workflow.presets import PRESETS, QUALITIES
 from workflow.reconstruct import run
 from workflow.surface import reconstruct
-from workflow.surface_spec import SURFACE_PRESETS, ReconstructSpec, SurfaceSpec
+from workflow.surface_spec import ReconstructSpec, SurfaceSpec
 from workflow.timeline import Frames
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -52,10 +53,10 @@ def spec(**surface) -> ReconstructSpec:
     return ReconstructSpec(particle_radius=RADIUS, surface=SurfaceSpec(**surface))
 
 
-@pytest.mark.parametrize("quality", list(SURFACE_PRESETS))
+@pytest.mark.parametrize("quality", QUALITIES)
 def test_volume_of_a_ball(quality):
     positions = ball()
-    surface = reconstruct(positions, np.zeros_like(positions), spec(**SURFACE_PRESETS[quality]))
+    surface = reconstruct(positions, np.zeros_like(positions), spec(**PRESETS[quality]["surface"]))
     assert surface.volume == pytest.approx(4 / 3 * math.pi * 0.5**3, rel=0.035)
     assert open_edges(surface.triangles) == 0
     radii = np.linalg.norm(surface.vertices, axis=1)

@@ -1,0 +1,58 @@
+"""What the quality presets mean, in the form of a scene; a scene's own values go above them.
+
+Derived from the studies of the project: docs/accuracy.md says what each costs and how exact it is.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+Quality = Literal["draft", "standard", "final"]
+QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
+
+PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
+    "draft": {
+        "surface": {
+            "cube_size": 1.25,
+            "surface_threshold": 0.5,
+            "smoothing": {"iterations": 15},
+            "normals": {"smoothing_iterations": 5},
+        },
+        "render": {
+            "resolution": [480, 270],
+            "samples": 10,
+            "noise_threshold": 0.05,
+            "bounces": 8,
+            "motion_blur": False,
+        },
+    },
+    "standard": {
+        "surface": {"cube_size": 1.0, "surface_threshold": 0.5},
+        "render": {"resolution": [640, 360], "samples": 16, "noise_threshold": 0.05},
+    },
+    "final": {
+        "surface": {"cube_size": 0.5},
+        "render": {"resolution": [1920, 1080], "samples": 128, "noise_threshold": 0.01, "bounces": 24},
+    },
+}
+"""Smoothing takes the more off the volume the larger the cubes are: a lower threshold of the surface makes up for it.
+Sections of materials hold only for scenes that have them."""
+ALWAYS = frozenset({"surface", "render"})
+
+
+def below(own: dict[str, Any], quality: str) -> dict[str, Any]:
+    """A scene with the preset's values for what it leaves out."""
+    data = dict(own)
+    for section, values in PRESETS.get(quality, {}).items():
+        given = own.get(section, {} if section in ALWAYS else None)
+        if isinstance(given, dict):
+            data[section] = _merged(values, given)
+    return data
+
+
+def _merged(defaults: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    merged = {**defaults, **own}
+    for key in defaults.keys() & own.keys():
+        if isinstance(defaults[key], dict) and isinstance(own[key], dict):
+            merged[key] = _merged(defaults[key], own[key])
+    return merged
