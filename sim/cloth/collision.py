@@ -13,6 +13,8 @@ import numpy as np
 import taichi as ti
 
 from sim.cloth import search, touch
+from sim.cloth.crowding import SHARE as AT_REST
+from sim.cloth.crowding import Crowding
 from sim.cloth.layout import Touches
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.search import EDGE, PLANE, POINT, Hits
@@ -49,9 +51,10 @@ class Wall:
 
 @dataclass
 class Known:
-    """Contacts: kind and four points, weights, normals, limits [m], and forces along and across [N]."""
+    """Contacts: kind and four points, thickness [m], weights, normals, limits [m], and forces along and across [N]."""
 
     key: np.ndarray
+    thick: np.ndarray
     weight: np.ndarray
     normal: np.ndarray
     limit: np.ndarray
@@ -60,9 +63,8 @@ class Known:
 
     @classmethod
     def none(cls) -> Known:
-        return cls(
-            np.zeros((0, 5), np.int32), *(np.zeros((0, k)) for k in (4, 3)), *(np.zeros(0),) * 2, np.zeros((0, 3))
-        )
+        shapes = (0,), (0, 4), (0, 3), (0,), (0,), (0, 3)
+        return cls(np.zeros((0, 5), np.int32), *map(np.zeros, shapes))
 
     def take(self, rows: np.ndarray) -> Known:
         return Known(*(values[rows] for values in vars(self).values()))
@@ -97,9 +99,10 @@ class Collisions:
         self._own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
         self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()
         points, edges = integers(cloth.points), self._own[1].member
+        self._crowding = Crowding(mesh, half)
         self._searches = [
-            _Search(False, False, points, len(cloth.points), self._own[0]),
-            _Search(True, True, edges, len(cloth.edges), self._own[1]),
+            _Search(False, False, points, len(cloth.points), self._own[0], self._crowding),
+            _Search(True, True, edges, len(cloth.edges), self._own[1], self._crowding),
         ]
         if solids:
             self._searches += [
@@ -122,7 +125,7 @@ class Collisions:
             self._upload()
             return
         apart, normal, weight = self._nearest(start)
-        thick = self._thickness(known.key)
+        thick = known.thick
         keep = (apart < NEAR * thick) & (apart > 0)
         lacking = np.maximum(thick - apart, 0.0)
         known.limit = self._offset(known.key) + np.where(lacking > 0, apart + SHARE * lacking, thick)
@@ -245,13 +248,14 @@ class Collisions:
 
     def _unknown(self, key: np.ndarray, weight: np.ndarray, normal: np.ndarray) -> Known:
         n = len(key)
-        limit = self._offset(key) + self._thickness(key)
-        return Known(key, weight, np.array(normal), limit, np.zeros(n), np.zeros((n, 3)))
+        thick = self._thickness(key)
+        limit = self._offset(key) + thick
+        return Known(key, thick, weight, np.array(normal), limit, np.zeros(n), np.zeros((n, 3)))
 
     def _thickness(self, key: np.ndarray) -> np.ndarray:
         """At which distance pairs touch [m]."""
         other = np.where(key[:, 3] >= 0, self.half[key[:, 3]], 0.0)
-        return self.half[key[:, 1]] + other
+        return self._crowding.thickness(key, self.half[key[:, 1]] + other)
 
     def _offset(self, key: np.ndarray) -> np.ndarray:
         """How far walls are from the origin [m]; 0 for pairs of points."""
@@ -296,7 +300,7 @@ class Collisions:
             self._make_room(2 * count)
         slide, hold = self._friction(known.key)
         first, entry = incidence(known.key[:, 1:], self.mesh.count)
-        _fill(self._thick, self._thickness(known.key))
+        _fill(self._thick, known.thick)
         for name, values in (
             ("touch_corner", known.key[:, 1:].ravel()),
             ("touch_weight", known.weight),
@@ -333,8 +337,12 @@ class Collisions:
 class _Search:
     """Points against triangles, or edges against edges."""
 
-    def __init__(self, edges: bool, itself: bool, query: ti.Ndarray, number: int, tree: Tree):
+    def __init__(
+        self, edges: bool, itself: bool, query: ti.Ndarray, number: int, tree: Tree, own: Crowding | None = None
+    ):
+        """`own`: where cloth is looked for that may be a neighbour."""
         self.edges, self.itself = edges, itself
+        self._crowding = own if own and own.present else None
         self._query, self._queries, self._tree = query, number, tree
         self._number = integers(np.zeros(number))
         self._make_room(ROOM)
@@ -354,12 +362,14 @@ class _Search:
             search.find_near(
                 self.edges,
                 self.itself,
+                self._crowding is not None,
                 self._queries,
                 self._room,
                 self._tree.leaves,
                 self._tree.number,
                 early,
                 LEAST,
+                AT_REST,
                 self._query,
                 self._tree.member,
                 self._tree.low,
@@ -367,6 +377,7 @@ class _Search:
                 half,
                 start,
                 place,
+                self._crowding.places if self._crowding else start,
                 self._number,
                 self._hits,
             )

@@ -25,12 +25,14 @@ come nearer than they may at all."""
 def find_near(
     edges: ti.template(),
     itself: ti.template(),
+    crowded: ti.template(),
     queries: ti.i32,
     room: ti.i32,
     leaves: ti.i32,
     primitives: ti.i32,
     early: ti.f64,
     least: ti.f64,
+    at_rest: ti.f64,
     query: Integers,
     member: Integers,
     low: Vectors,
@@ -38,12 +40,14 @@ def find_near(
     half: Numbers,
     start: Vectors,
     place: Vectors,
+    rest: Vectors,
     number: Integers,
     hits: Hits,
 ):
     """For each point, or edge, the triangles, or edges, of a tree that come nearer than `early` of the thickness on the
     way from `start` to `place` [m], at most `room` of them; `least`: share of the thickness, and of the distance at the
-    start, that has to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it."""
+    start, that has to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it.
+    `crowded`: pairs are no thicker than the share `at_rest` of their distance at `rest` [m]."""
     for k in range(queries):
         i = query[2 * k] if ti.static(edges) else query[k]
         j = query[2 * k + 1] if ti.static(edges) else i
@@ -71,6 +75,9 @@ def find_near(
                         disjoint = int(i != b and i != c and i != d)
                     if disjoint:
                         thick = half[a] + half[c]
+                        if ti.static(crowded):
+                            apart = nearest(edges, rest[a], rest[b], rest[c], rest[d]).apart.norm()
+                            thick = ti.min(thick, at_rest * apart)
                         pa, pb, pc, pd = start[a], start[b], start[c], start[d]
                         da, db, dc, dd = place[a] - pa, place[b] - pb, place[c] - pc, place[d] - pd
                         share = time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, early * thick)

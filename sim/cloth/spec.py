@@ -89,7 +89,8 @@ class ClothSheet(Placement):
     rest_scale: Annotated[Dimensionless, Ge(0), Le(100)] = 1.0
     """Lengths at rest over those as placed: above 1 the cloth begins loose, below 1 taut."""
     thickness: PositiveLength = 0.002
-    """Distance of its middle from that of another cloth that lies on it; half of it from solids [m]."""
+    """Distance of its middle from that of another cloth that lies on it; half of it from solids [m]. What is nearer at
+    rest than twice that may come as near as half of that distance, so that cloth finer than it is thick bends."""
     friction: Friction = 0.3
     """Coefficient of Coulomb friction while sliding; of two surfaces the geometric mean counts."""
     static_friction: Friction | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -63,19 +64,34 @@ LARGER = [
 ]
 
 
+STUDY = f"""\
+description: A study whose errors are known.
+scene: {ROOT}/scenes/bench/sloshing.yaml
+speaks_for: fluid
+grids:
+  - fluid.solver: [wcsph, dfsph]
+    fluid.particle_radius: [10 mm, 6.25 mm, 5 mm]
+    step.cfl: [0.8, 0.4, 0.2]
+quantity: {{name: height, of: crest, column: water_height}}
+reference: {{type: formula, value: 0.2, source: none}}
+"""
+
+
 @pytest.fixture
 def tables(monkeypatch, tmp_path):
     """Of the one study that speaks for fluid: errors go as spacing and CFL number squared."""
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr(source, "STUDIES", str(tmp_path))
-    monkeypatch.setattr(source, "speakers", lambda material: ["standing_wave"])
-    loaded = load_study(STUDY_FILES.find("standing_wave"), "standing_wave")
-    path = tmp_path / "standing_wave" / "points.csv"
-    path.parent.mkdir()
-    with path.open("w", newline="") as file:
+    path = tmp_path / "scenes" / "studies" / "known.yaml"
+    path.parent.mkdir(parents=True)
+    path.write_text(STUDY)
+    monkeypatch.setattr(source, "STUDY_FILES", replace(STUDY_FILES, folder=path.parent))
+    monkeypatch.setattr(source, "STUDIES", str(tmp_path / "studies"))
+    table = tmp_path / "studies" / "known" / "points.csv"
+    table.parent.mkdir(parents=True)
+    with table.open("w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(["trial", "status", "error", "cost"])
-        for trial in loaded.trials:
+        for trial in load_study(path, "known").trials:
             spacing, cfl = trial.scene.simulation.fluid.spacing, trial.scene.simulation.step.cfl
             rows.writerow([trial.name, "done", spacing / 0.01 * 0.05 + cfl**2 * 0.05, 1 / spacing**4 / cfl])
 
@@ -87,14 +103,14 @@ def test_a_scene_gets_the_spacing_and_the_step_that_its_error_needs(tables):
     found = needed(coarse, 0.06)
     assert found.spacings == {FLUID: pytest.approx(0.005, rel=1e-3)}
     assert found.others == {"step.cfl": 0.4}
-    assert "5.8 % in study standing_wave with step.cfl 0.4" in found.reasons[0]
+    assert "5.8 % in study known with step.cfl 0.4" in found.reasons[0]
 
 
 def test_what_no_study_found_is_refused(tables):
     scene = load(Path("scenes/bench/sloshing.yaml"))
-    with pytest.raises(Refused, match="no setting of study standing_wave") as refused:
+    with pytest.raises(Refused, match="no setting of study known") as refused:
         needed(scene, 0.01)
-    assert "5.1 % or more" in refused.value.remedy
+    assert "5.2 % or more" in refused.value.remedy
     other = load(Path("scenes/bench/sloshing.yaml"), overrides=["fluid.solver=pcisph"])
     with pytest.raises(Refused, match="no study speaks for fluid"):
         needed(other, 0.5)
