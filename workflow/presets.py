@@ -25,6 +25,8 @@ PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
             "bounces": 8,
             "motion_blur": False,
         },
+        "rigid": {"max_step": 0.008},
+        "cloth": {"max_step": 0.01},
     },
     "standard": {
         "surface": {"cube_size": 1.0, "surface_threshold": 0.5},
@@ -33,19 +35,22 @@ PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
     "final": {
         "surface": {"cube_size": 0.5},
         "render": {"resolution": [1920, 1080], "samples": 128, "noise_threshold": 0.01, "bounces": 24},
+        "rigid": {"max_step": 0.002},
+        "cloth": {"max_step": 0.0025},
     },
 }
 """Smoothing takes the more off the volume the larger the cubes are: a lower threshold of the surface makes up for it.
-Sections of materials hold only for scenes that have them."""
+Sections of materials hold only for scenes that have them, and leave the length of steps to them."""
 ALWAYS = frozenset({"surface", "render"})
 
 
 def below(own: dict[str, Any], quality: str) -> dict[str, Any]:
     """A scene with the preset's values for what it leaves out."""
-    data = dict(own)
+    data, step = dict(own), own.get("step")
+    paced = isinstance(step, dict) and "fixed" in step
     for section, values in PRESETS.get(quality, {}).items():
         given = own.get(section, {} if section in ALWAYS else None)
-        if isinstance(given, dict):
+        if isinstance(given, dict) and (section in ALWAYS or not paced):
             data[section] = _merged(values, given)
     return data
 

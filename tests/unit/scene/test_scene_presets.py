@@ -30,8 +30,10 @@ def test_presets_are_valid_and_hold_for_what_a_scene_has(bench, scene, quality):
     found = load(bench.write(scene()), quality=quality)
     assert found.surface == SurfaceSpec.model_validate(PRESETS[quality]["surface"])
     assert found.render == RenderSpec.model_validate(PRESETS[quality]["render"])
-    assert found.simulation.rigid is not None
+    assert found.simulation.rigid.max_step == PRESETS[quality].get("rigid", {}).get("max_step", 0.004)
     assert found.simulation.cloth is None
+    paced = load(bench.write(scene(more="step: {fixed: 3 ms}")), quality=quality)
+    assert paced.simulation.rigid.max_step == 0.004
 
 
 def test_the_scene_says_which_preset(bench, scene):
