@@ -19,7 +19,7 @@ from workflow.budget.forecast import Forecast, predicted, teller
 from workflow.budget.pilot import ROOT
 from workflow.plan import RESULTS, Plan
 from workflow.scene import ACCURACY, Scene, load
-from workflow.spacings import is_spacing, resolving
+from workflow.spacings import is_spacing, resolving, scaled
 from workflow.stage import write_json
 
 
@@ -62,7 +62,8 @@ def chosen(path: Path, name: str, error: float, cores: int) -> Scene:
 
 
 def needed(scene: Scene, error: float) -> Settings:
-    """The finest of what every study that speaks for the scene's materials needs; raises Refused, SceneError."""
+    """The finest of what every study that speaks for the scene's materials needs, with spacings that are no coarser
+    than those of its draft; raises Refused, SceneError."""
     picked = list(_picked(scene, error))
     fineness = {
         material: max((value for point in points for path, value in point.fineness.items() if is_spacing(path)))
@@ -75,8 +76,12 @@ def needed(scene: Scene, error: float) -> Settings:
         for path, value in point.chosen.items():
             if point.fineness[path] > best.get(path, 0.0):
                 best[path], others[path] = point.fineness[path], value
+    coarsest = scaled(load(scene.path, quality="draft"), 1.0)
     return Settings(
-        {path: float(f"{value:.4g}") for path, value in resolving(scene, **fineness).items()},
+        {
+            path: float(f"{min(value, coarsest.get(path, value)):.4g}")
+            for path, value in resolving(scene, **fineness).items()
+        },
         others,
         tuple(_reason(material, point) for material, point in picked),
     )

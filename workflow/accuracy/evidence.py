@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from workflow.study.load import LoadedStudy, Trial, load_study
 
 MEASURED = STUDY_FILES.folder / "measured"
 """Tables of points that come with the project, for studies that were not carried out here."""
+SAME = 1.25
+"""Costs that differ by less than this factor are the same: a machine is not more even."""
 GREATER_IS_FINER = frozenset({"substeps", "max_iterations"})
 """Settings whose greater values are the more exact ones."""
 
@@ -34,6 +37,8 @@ class Measured:
     """By path: what has to be as in a scene, as `fluid.solver`."""
     error: float | None
     cost: float
+    changes: int = 0
+    """How many of the chosen settings the scene has otherwise."""
 
     def finer(self, other: Measured) -> bool:
         """Whether it is at least as fine as another in all that varies."""
@@ -46,7 +51,7 @@ def evidence(material: str, scene: Scene) -> list[list[Measured]]:
     found = []
     for name in speakers(material):
         loaded = load_study(STUDY_FILES.find(name), name)
-        points = [point for point in _points(loaded) if _alike(point, scene)]
+        points = [_beside(point, scene) for point in _points(loaded) if _alike(point, scene)]
         if points:
             found.append(points)
     if not found:
@@ -64,9 +69,11 @@ def speakers(material: str) -> list[str]:
 
 def cheapest(points: Sequence[Measured], error: float) -> Measured | None:
     """The cheapest point with at most this error, which no finer one exceeds: an error that is small by chance does
-    not count."""
+    not count. Of those that cost as much, one that leaves settings as they are."""
     trusted = [point for point in points if _worst(point, points) <= error]
-    return min(trusted, key=lambda point: point.cost, default=None)
+    bound = SAME * min((point.cost for point in trusted), default=0.0)
+    alike = [point for point in trusted if point.cost <= bound]
+    return min(alike, key=lambda point: (point.changes, point.cost), default=None)
 
 
 def least_error(points: Sequence[Measured]) -> float:
@@ -107,9 +114,20 @@ def _measured(loaded: LoadedStudy, trial: Trial, row: Mapping[str, str]) -> Meas
             names[path] = found
         else:
             chosen[path] = value
-            fineness[path] = found if path.rpartition(".")[2] in GREATER_IS_FINER else 1 / found
+            fineness[path] = _fineness(path, found)
     error = float(row["error"]) if row["status"] == "done" else None
     return Measured(loaded.name, chosen, fineness, names, error, float(row["cost"]))
+
+
+def _beside(point: Measured, scene: Scene) -> Measured:
+    """The point with its changes of a scene."""
+    settings = scene.simulation.model_dump(mode="json")
+    own = ((_fineness(path, _at(settings, path)), point.fineness[path]) for path in point.chosen)
+    return replace(point, changes=sum(not math.isclose(*pair) for pair in own))
+
+
+def _fineness(path: str, value: float) -> float:
+    return value if path.rpartition(".")[2] in GREATER_IS_FINER else 1 / value
 
 
 def _alike(point: Measured, scene: Scene) -> bool:

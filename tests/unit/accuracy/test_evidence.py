@@ -42,6 +42,12 @@ def test_errors_that_are_small_by_chance_do_not_count():
     assert least_error(POINTS) == 0.04
 
 
+def test_of_settings_that_cost_as_much_those_of_the_scene_are_kept():
+    changed, kept = replace(POINTS[2], changes=1), replace(POINTS[3], cost=1.2 * POINTS[2].cost)
+    assert cheapest([changed, kept], 0.06) is kept
+    assert cheapest([changed, replace(kept, cost=1.3 * POINTS[2].cost)], 0.06) is changed
+
+
 def test_settings_whose_finer_ones_fail_are_not_trusted():
     points = [*POINTS[:3], measured(20, 0.4, None, 16.0)]
     assert cheapest(points, 0.9) is None
@@ -104,6 +110,13 @@ def test_a_scene_gets_the_spacing_and_the_step_that_its_error_needs(tables):
     assert found.spacings == {FLUID: pytest.approx(0.005, rel=1e-3)}
     assert found.others == {"step.cfl": 0.4}
     assert "5.8 % in study known with step.cfl 0.4" in found.reasons[0]
+
+
+def test_spacings_are_no_coarser_than_those_of_the_draft(tables, tmp_path):
+    text = Path("scenes/bench/sloshing.yaml").read_text()
+    path = tmp_path / "scenes" / "sloshing.yaml"
+    path.write_text(text + "presets: {draft: {fluid: {particle_radius: 4 mm}}}\n")
+    assert needed(load(path), 0.06).spacings == {FLUID: 0.004}
 
 
 def test_what_no_study_found_is_refused(tables):
