@@ -61,6 +61,19 @@ def test_a_ball_that_is_shot_at_a_cloth(integrator):
 
 
 @pytest.mark.outcome("A")
+@OF_ALL
+def test_a_cloth_finer_than_it_is_thick_that_falls_on_end(integrator):
+    """Upright, it buckles, and comes to lie in folds on itself."""
+    upright = [{"axis": [0, 0, 1], "angle": 88}]
+    cloth = sheet((0.24, 0.06), spacing=0.012, thickness=0.02, position=[0, 0.14, 0], rotation=upright)
+    world = scene({"cloth": cloth | {"bend_stiffness": 1e-5}}, FLOOR, cloth={"integrator": integrator})
+    assert passages(world, 0.6, 0.005) == 0
+    height = world.cloth.vertices("cloth")[0][:, 1]
+    assert height.min() > 0.009
+    assert height.max() < 0.12
+
+
+@pytest.mark.outcome("A")
 @pytest.mark.slow
 @OF_ALL
 def test_two_cloths_between_closing_plates(integrator):
