@@ -33,11 +33,11 @@ def test_a_film_as_exact_as_a_study_says(fresh):
     assert ran.code == 0, ran.text
     results = fresh.folder / "results" / "tests" / "pond"
     choice = json.loads((results / "accuracy.json").read_text())
-    assert choice["spacings"] == {"fluid.particle_radius": 0.05}
+    assert choice["spacings"]["fluid.particle_radius"] in (0.05, 0.04)
     assert "in study pond with" in choice["reasons"][0]
     assert f"predicted {choice['forecast']['wall_s']:.0f} s" in ran.text
     assert (results / "accuracy" / "simulation").is_dir()
-    again = fresh.snakemake("-n", TARGET, "--config", "error=50%")
+    again = fresh.snakemake("-n", "--cores", "2", TARGET, "--config", "error=50%")
     assert "pilot" not in again.text
     assert not again.jobs
 

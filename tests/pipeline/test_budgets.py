@@ -25,6 +25,6 @@ def test_a_film_within_a_budget(fresh):
     assert choice["detail"] == 2.0
     assert f"predicted {choice['forecast']['wall_s']:.0f} s" in ran.text
     assert fresh.folder.joinpath("results", "tests", "pond", "budget", "simulation").is_dir()
-    again = fresh.snakemake("-n", TARGET, "--config", budget)
+    again = fresh.snakemake("-n", "--cores", "2", TARGET, "--config", budget)
     assert "pilot" not in again.text
     assert not again.jobs
