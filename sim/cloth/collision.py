@@ -118,6 +118,10 @@ class Collisions:
     def count(self) -> int:
         return len(self.known.key)
 
+    def remember(self, key: np.ndarray, *others: np.ndarray) -> None:
+        """Go on with the contacts of a step before: weights, normals, limits and forces as in `Known`."""
+        self.known = Known(key, self._thickness(key), *others)
+
     def begin(self, start: ti.Ndarray) -> None:
         """Look again at contacts where points are now; those that have parted are forgotten."""
         known = self.known

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.cloth import load_integrator
-from sim.cloth.collision import Collisions, Known
+from sim.cloth.collision import Collisions
 from sim.cloth.fabric import Fabric, weave
 from sim.cloth.measure import ClothMeasure, Meter
 from sim.cloth.mesh import ClothMesh
@@ -99,7 +99,7 @@ class ClothPart:
         self.collisions = self._collisions()
         if len(state.touch_key):
             limit, press, grip = state.touch_force[:, 0], state.touch_force[:, 1], state.touch_force[:, 2:]
-            self.collisions.known = Known(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
+            self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
         self._refuse_jumps(position, time)
         self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
         self._meter = Meter(self.mesh, gravity)
