@@ -23,7 +23,8 @@ SPARE = 0.8
 
 
 class Crowding:
-    """Distances at rest. `present`: whether they matter, which they do not where triangles are high enough."""
+    """Distances at rest. `present`: whether they matter, which they do not where triangles are high enough; `places`,
+    of points at rest and of solids as placed [m], are there only if so."""
 
     def __init__(self, mesh: ClothMesh, half: np.ndarray):
         self._count = mesh.count
@@ -33,15 +34,18 @@ class Crowding:
         height = twice_area / np.linalg.norm(sides, axis=2).max(axis=1)
         thick = 2 * half[mesh.triangles].max(axis=1)
         self.present = bool((SHARE * SPARE * height < thick).any())
+        if not self.present:
+            return
         _, piece = groups(mesh.triangles.ravel(), np.roll(mesh.triangles, 1, axis=1).ravel(), mesh.count)
         places = mesh.placed.copy()
         places[: mesh.count, 0] += APART * piece
         self.places = vectors(places)
-        """Of points at rest, and of solids as placed [m]."""
 
     def thickness(self, key: np.ndarray, thick: np.ndarray) -> np.ndarray:
         """At which distance pairs touch [m], each a kind and four points, where others touch at `thick`."""
-        pairs = np.flatnonzero((key[:, 0] < PLANE) & (key[:, 1:] < self._count).all(axis=1) & self.present)
+        if not self.present:
+            return thick
+        pairs = np.flatnonzero((key[:, 0] < PLANE) & (key[:, 1:] < self._count).all(axis=1))
         if not len(pairs):
             return thick
         apart, normal, weight = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 4))

@@ -193,7 +193,7 @@ def limits() -> dict[str, Limit]:
             "2 / w, w the highest frequency of the sheet's matrix",
         ),
         "tower": Limit("step with which five boxes stand [s]", "rigid.max_step", 0.004, _tower, (0.002, 0.25)),
-        "heavy": Limit("mass of a box on a box", "rigid.bodies.NAME.density", 1.0, _heavy, (1.0, 1e5)),
+        "heavy": Limit("mass of a box on a box", "rigid.bodies.NAME.density", 1.0, _heavy, (1.0, 1e3)),
         "light": Limit("density of a body over water", "density", 0.5, _light, (1e-4, 0.5), least=True),
     }
 

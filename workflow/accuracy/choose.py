@@ -65,22 +65,20 @@ def needed(scene: Scene, error: float) -> Settings:
     """The finest of what every study that speaks for the scene's materials needs, with spacings that are no coarser
     than those of its draft; raises Refused, SceneError."""
     picked = list(_picked(scene, error))
-    fineness = {
-        material: max((value for point in points for path, value in point.fineness.items() if is_spacing(path)))
-        for material, points in _by_material(picked).items()
-        if any(is_spacing(path) for point in points for path in point.fineness)
-    }
+    across: dict[str, float] = {}
     others: dict[str, Any] = {}
     best: dict[str, float] = {}
-    for _, point in picked:
-        for path, value in point.chosen.items():
-            if point.fineness[path] > best.get(path, 0.0):
-                best[path], others[path] = point.fineness[path], value
+    for material, point in picked:
+        for path, value in point.fineness.items():
+            if is_spacing(path):
+                across[material] = max(across.get(material, 0.0), value)
+            elif value > best.get(path, 0.0):
+                best[path], others[path] = value, point.chosen[path]
     coarsest = scaled(load(scene.path, quality="draft"), 1.0)
     return Settings(
         {
             path: float(f"{min(value, coarsest.get(path, value)):.4g}")
-            for path, value in resolving(scene, **fineness).items()
+            for path, value in resolving(scene, **across).items()
         },
         others,
         tuple(_reason(material, point) for material, point in picked),
@@ -106,13 +104,6 @@ def _picked(scene: Scene, error: float) -> Iterator[tuple[str, Measured]]:
 def _rounded_up(value: float) -> str:
     step = 10.0 ** (math.floor(math.log10(value)) - 1) if 0 < value < math.inf else 1.0
     return f"{math.ceil(value / step) * step:.4g}" if value < math.inf else "100"
-
-
-def _by_material(picked: list[tuple[str, Measured]]) -> dict[str, list[Measured]]:
-    found: dict[str, list[Measured]] = {}
-    for material, point in picked:
-        found.setdefault(material, []).append(point)
-    return found
 
 
 def _reason(material: str, point: Measured) -> str:

@@ -48,10 +48,11 @@ class Measured:
 def evidence(material: str, scene: Scene) -> list[list[Measured]]:
     """The points of every study that speaks for a material of a scene, at the scene's solver; raises Refused,
     SceneError."""
+    settings = scene.simulation.model_dump(mode="json")
     found = []
     for name in speakers(material):
         loaded = load_study(STUDY_FILES.find(name), name)
-        points = [_beside(point, scene) for point in _points(loaded) if _alike(point, scene)]
+        points = [_beside(point, settings) for point in _points(loaded) if _alike(point, settings)]
         if points:
             found.append(points)
     if not found:
@@ -119,9 +120,8 @@ def _measured(loaded: LoadedStudy, trial: Trial, row: Mapping[str, str]) -> Meas
     return Measured(loaded.name, chosen, fineness, names, error, float(row["cost"]))
 
 
-def _beside(point: Measured, scene: Scene) -> Measured:
+def _beside(point: Measured, settings: Mapping[str, Any]) -> Measured:
     """The point with its changes of a scene."""
-    settings = scene.simulation.model_dump(mode="json")
     own = ((_fineness(path, _at(settings, path)), point.fineness[path]) for path in point.chosen)
     return replace(point, changes=sum(not math.isclose(*pair) for pair in own))
 
@@ -130,8 +130,7 @@ def _fineness(path: str, value: float) -> float:
     return value if path.rpartition(".")[2] in GREATER_IS_FINER else 1 / value
 
 
-def _alike(point: Measured, scene: Scene) -> bool:
-    settings = scene.simulation.model_dump(mode="json")
+def _alike(point: Measured, settings: Mapping[str, Any]) -> bool:
     return all(_at(settings, path) == name for path, name in point.names.items())
 
 
