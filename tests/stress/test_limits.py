@@ -6,12 +6,19 @@ import pytest
 
 from tests.stress.limits import PRECISION, limits
 
+NAMES = ("wcsph", "iisph", "dfsph", "symplectic", "tower", "heavy", "light")
+pytestmark = pytest.mark.slow
 
-@pytest.mark.slow
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_default_is_at_most_half_of_what_is_stable(name):
+    limit = limits()[name]
+    found, _ = limit.find()
+    assert limit.room(found) * PRECISION >= 2
+
+
 def test_explicit_cloth_breaks_where_its_highest_frequency_says():
-    """Its default is at most half of that."""
     limit = limits()["symplectic"]
     found, nothing_broke = limit.find()
     assert not nothing_broke
     assert limit.theory / PRECISION <= found <= limit.theory * PRECISION
-    assert limit.room(found) * PRECISION >= 2
