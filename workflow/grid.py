@@ -19,6 +19,14 @@ def combinations(grid: Grid) -> Iterator[dict[str, Any]]:
         yield dict(zip(grid, values, strict=True))
 
 
+def setting(settings: Mapping[str, Any], path: str) -> Any:
+    """What stands at a path."""
+    found: Any = settings
+    for key in path.split("."):
+        found = found[key]
+    return found
+
+
 def overrides(chosen: Mapping[str, Any]) -> tuple[str, ...]:
     """As `load` takes them."""
     return tuple(f"{path}={json.dumps(value)}" for path, value in chosen.items())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import time
 from collections.abc import Iterator, Mapping
@@ -15,12 +13,12 @@ from sim.settings import Refused
 from workflow import grid
 from workflow.accuracy.evidence import Measured, cheapest, evidence, least_error
 from workflow.budget.detail import Presets
-from workflow.budget.forecast import Forecast, predicted, teller
+from workflow.budget.forecast import predicted, teller
 from workflow.budget.pilot import ROOT
-from workflow.plan import RESULTS, Plan
+from workflow.kept import keep, kept, key_of
+from workflow.plan import Plan
 from workflow.scene import ACCURACY, Scene, load
 from workflow.spacings import is_spacing, resolving, scaled
-from workflow.stage import write_json
 
 
 @dataclass(frozen=True)
@@ -47,16 +45,14 @@ def chosen(path: Path, name: str, error: float, cores: int) -> Scene:
         load(path, quality=base.quality, overrides=grid.overrides({**settings.spacings, **settings.others})),
         quality=ACCURACY,
     )
-    place = Path(RESULTS, name, f"{ACCURACY}.json")
-    key = hashlib.sha256(json.dumps([cores, Plan(scene, ROOT).job("film").plan]).encode()).hexdigest()[:32]
-    if _kept(place) != key:
+    key = key_of(cores, Plan(scene, ROOT).job("film").plan)
+    if kept(name, ACCURACY, key) is None:
         start, tell = time.perf_counter(), teller(name)
         tell(f"an error of {100 * error:g} % needs {settings}")
         for reason in settings.reasons:
             tell(reason)
         forecast = predicted(Presets(path, grid.overrides(settings.others)), scene, cores, tell)
-        place.parent.mkdir(parents=True, exist_ok=True)
-        write_json(place, _record(key, error, settings, forecast))
+        keep(name, ACCURACY, key, {"error": error, **asdict(settings), "forecast": asdict(forecast)})
         tell(f"{forecast}; found in {time.perf_counter() - start:.0f} s")
     return scene
 
@@ -110,15 +106,3 @@ def _reason(material: str, point: Measured) -> str:
     settings = [f"{path} {value}" for path, value in point.chosen.items()]
     settings += [f"{value:.3g} spacings across" for path, value in point.fineness.items() if is_spacing(path)]
     return f"{material}: {100 * point.error:.2g} % in study {point.study} with {', '.join(settings)}"
-
-
-def _record(key: str, error: float, settings: Settings, forecast: Forecast) -> dict[str, Any]:
-    return {"key": key, "error": error, **asdict(settings), "forecast": asdict(forecast)}
-
-
-def _kept(place: Path) -> str | None:
-    """The key of the last choice."""
-    try:
-        return json.loads(place.read_text(encoding="utf-8"))["key"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return None

@@ -11,6 +11,7 @@ from typing import Any
 
 from sim.settings import Refused
 from workflow.document import read
+from workflow.grid import setting
 from workflow.scene import Scene
 from workflow.shelf import STUDIES, STUDY_FILES
 from workflow.spacings import fineness_of_spacing, is_spacing
@@ -33,8 +34,8 @@ class Measured:
     """By path, without spacings and names."""
     fineness: Mapping[str, float]
     """By path, greater for what is finer; of spacings how many go over the size of the material."""
-    names: Mapping[str, str]
-    """By path: what has to be as in a scene, as `fluid.solver`."""
+    names: Mapping[str, str | bool]
+    """By path: what has to be as in a scene, as `fluid.solver`; names and truths."""
     error: float | None
     cost: float
     changes: int = 0
@@ -108,10 +109,10 @@ def _measured(loaded: LoadedStudy, trial: Trial, row: Mapping[str, str]) -> Meas
     settings = trial.scene.simulation.model_dump(mode="json")
     chosen, fineness, names = {}, {}, {}
     for path, value in trial.chosen.items():
-        found = _at(settings, path)
+        found = setting(settings, path)
         if is_spacing(path):
             fineness[path] = fineness_of_spacing(trial.scene, path)
-        elif isinstance(found, str):
+        elif isinstance(found, str | bool):
             names[path] = found
         else:
             chosen[path] = value
@@ -122,20 +123,15 @@ def _measured(loaded: LoadedStudy, trial: Trial, row: Mapping[str, str]) -> Meas
 
 def _beside(point: Measured, settings: Mapping[str, Any]) -> Measured:
     """The point with its changes of a scene."""
-    own = ((_fineness(path, _at(settings, path)), point.fineness[path]) for path in point.chosen)
+    own = ((_fineness(path, setting(settings, path)), point.fineness[path]) for path in point.chosen)
     return replace(point, changes=sum(not math.isclose(*pair) for pair in own))
 
 
 def _fineness(path: str, value: float) -> float:
-    return value if path.rpartition(".")[2] in GREATER_IS_FINER else 1 / value
+    if path.rpartition(".")[2] in GREATER_IS_FINER:
+        return value
+    return 1 / value if value else math.inf
 
 
 def _alike(point: Measured, settings: Mapping[str, Any]) -> bool:
-    return all(_at(settings, path) == name for path, name in point.names.items())
-
-
-def _at(settings: Mapping[str, Any], path: str) -> Any:
-    found: Any = settings
-    for key in path.split("."):
-        found = found[key]
-    return found
+    return all(setting(settings, path) == name for path, name in point.names.items())

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,10 +11,10 @@ from workflow.budget.detail import FINEST, Presets
 from workflow.budget.forecast import Forecast, calibrated, forecast, teller
 from workflow.budget.model import Model
 from workflow.budget.pilot import ROOT
-from workflow.plan import RESULTS, Plan
+from workflow.kept import keep, kept, key_of
+from workflow.plan import Plan
 from workflow.presets import QUALITIES
-from workflow.scene import load
-from workflow.stage import write_json
+from workflow.scene import BUDGET, load
 
 STEP = 0.05
 """Between details that are looked at."""
@@ -28,9 +26,8 @@ AGAIN = 0.1
 
 @dataclass(frozen=True)
 class Choice:
-    """A detail, and what it is predicted to take. `key` tells whether it still holds."""
+    """A detail, and what it is predicted to take."""
 
-    key: str
     detail: float
     forecast: Forecast
 
@@ -40,11 +37,11 @@ def chosen(path: Path, name: str, budget: float, cores: int) -> Choice:
 
     Raises Refused where even a draft takes longer, SceneError, and PilotFailed.
     """
-    place = Path(RESULTS, name, "budget.json")
-    key = _key(path, budget, cores)
-    kept = _kept(place, key)
-    if kept is not None:
-        return kept
+    films = [Plan(load(path, quality=quality), ROOT).job("film").plan for quality in QUALITIES]
+    key = key_of(budget, cores, films)
+    last = kept(name, BUDGET, key)
+    if last is not None:
+        return Choice(last["detail"], Forecast(**last["forecast"]))
     start = time.perf_counter()
     presets, tell = Presets(path), teller(name)
     with calibrated(presets, cores, tell) as (calibration, model):
@@ -52,9 +49,8 @@ def chosen(path: Path, name: str, budget: float, cores: int) -> Choice:
         while probed is None or abs(detail - probed) > AGAIN:
             calibration.probe(model, presets.at(detail))
             detail, probed = _finest(presets, model, budget, cores), detail
-    choice = Choice(key, detail, forecast(model, presets.at(detail), cores))
-    place.parent.mkdir(parents=True, exist_ok=True)
-    write_json(place, asdict(choice))
+    choice = Choice(detail, forecast(model, presets.at(detail), cores))
+    keep(name, BUDGET, key, asdict(choice))
     tell(f"{told(choice)}; found in {time.perf_counter() - start:.0f} s")
     return choice
 
@@ -81,17 +77,3 @@ def _finest(presets: Presets, model: Model, budget: float, cores: int) -> float:
         fits = MARGIN * forecast(model, presets.at(middle * STEP), cores).wall_s <= budget
         low, high = (middle, high) if fits else (low, middle)
     return low * STEP
-
-
-def _key(path: Path, budget: float, cores: int) -> str:
-    plans = [Plan(load(path, quality=quality), ROOT).job("film").plan for quality in QUALITIES]
-    return hashlib.sha256(json.dumps([budget, cores, *plans]).encode()).hexdigest()[:32]
-
-
-def _kept(place: Path, key: str) -> Choice | None:
-    try:
-        data = json.loads(place.read_text(encoding="utf-8"))
-        choice = Choice(data["key"], data["detail"], Forecast(**data["forecast"]))
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
-    return choice if choice.key == key else None

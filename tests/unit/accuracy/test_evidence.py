@@ -127,3 +127,14 @@ def test_what_no_study_found_is_refused(tables):
     other = load(Path("scenes/bench/sloshing.yaml"), overrides=["fluid.solver=pcisph"])
     with pytest.raises(Refused, match="no study speaks for fluid"):
         needed(other, 0.5)
+
+
+def test_zero_is_finer_than_all_else_and_truths_are_as_names(tables):
+    scene = load(Path("scenes/bench/sloshing.yaml"), overrides=["fluid.xsph=0"])
+    names = {"fluid.solver": scene.simulation.fluid.solver}
+    coarse = Measured("some", {"fluid.xsph": 0.1}, {"fluid.xsph": 10.0}, names, 0.1, 1.0)
+    found = source._beside(coarse, scene.simulation.model_dump(mode="json"))
+    assert found.changes == 1
+    none = replace(coarse, chosen={"fluid.xsph": 0}, fineness={"fluid.xsph": source._fineness("fluid.xsph", 0)})
+    assert source._beside(none, scene.simulation.model_dump(mode="json")).changes == 0
+    assert none.finer(coarse) and not coarse.finer(none)
