@@ -10,6 +10,7 @@ import numpy as np
 from tests.particles import positions, read_frame, read_table, velocities
 
 RHO, G = 1000.0, 9.81
+BOX = {"type": "box", "size": [0.1, 0.1, 0.1]}
 
 
 def pool(
@@ -24,6 +25,12 @@ def pool(
         "fluid": fluid | more.pop("fluid", {}),
         "rigid": {"bodies": {"body": body}},
     } | more
+
+
+def box_in_pool(solver: str, ratio: float, height: float = 0.15, shape: dict | None = None, **more: Any):
+    """A box so many times as dense as water, at a height [m] in a small pool 0.3 m deep."""
+    body = {"shape": shape or BOX, "position": [0, height, 0], "density": ratio * RHO, "motion": "dynamic"}
+    return pool(solver, 0.02, (0.4, 0.8, 0.4), 0.3, body, **more)
 
 
 def track(out: Path, column: str, name: str = "body") -> np.ndarray:

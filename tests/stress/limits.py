@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tests import bodies, cloths
-from tests.floating import pool, track
+from tests.floating import box_in_pool, track
 from tests.particles import read_table
 
 PRECISION = 1.1
@@ -164,13 +164,7 @@ def _heavy(ratio: float) -> bool:
 
 def _light(ratio: float) -> bool:
     """A box that much lighter than water comes up and stays, thrown nowhere."""
-    body = {
-        "shape": {"type": "box", "size": [0.1, 0.1, 0.1]},
-        "position": [0, 0.15, 0],
-        "density": 1000 * ratio,
-        "motion": "dynamic",
-    }
-    status, out = _simulated(pool("dfsph", 0.02, (0.4, 0.8, 0.4), 0.3, body), 45)
+    status, out = _simulated(box_in_pool("dfsph", ratio), 45)
     if status or _retried(out):
         return False
     height = track(out, "y")

@@ -7,18 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from tests.floating import RHO, pool, track
+from tests.floating import BOX, box_in_pool, track
 from tests.in_time import in_time
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
 
 LATER = ("wcsph", "iisph")
-BOX = {"type": "box", "size": [0.1, 0.1, 0.1]}
-
-
-def scene(solver: str, ratio: float, height: float = 0.15, shape: dict | None = None, **more):
-    body = {"shape": shape or BOX, "position": [0, height, 0], "density": ratio * RHO, "motion": "dynamic"}
-    return pool(solver, 0.02, (0.4, 0.8, 0.4), 0.3, body, **more)
 
 
 def counts(out) -> dict[str, int]:
@@ -31,7 +25,7 @@ def counts(out) -> dict[str, int]:
 @pytest.mark.parametrize("solver", ["dfsph", *LATER])
 def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
     """Its mass is a fortieth of the layer of fluid next to it: taken turns at, the two would throw it about."""
-    out = simulate(scene(solver, ratio), 45, threads=2)
+    out = simulate(box_in_pool(solver, ratio), 45, threads=2)
     assert_nothing_broken(out)
     height, speed = track(out, "y"), np.abs(track(out, "vy"))
     assert height[-10:].min() > 0.3
@@ -48,7 +42,7 @@ def test_a_heavy_body_sinks_to_the_ground_and_rests_there(simulate, solver, rati
     """What it squeezes out at last has no room and is taken out; that is counted, and less than half a layer."""
     if solver == "wcsph" and ratio == 2.0:
         pytest.xfail("comes to rest on the last layer of particles, 1.2 spacings off the ground")
-    out = simulate(scene(solver, ratio), 40, threads=2)
+    out = simulate(box_in_pool(solver, ratio), 40, threads=2)
     assert_nothing_broken(out)
     assert track(out, "y")[-1] == pytest.approx(0.05, abs=0.002)
     assert np.abs(track(out, "vy")[-5:]).max() < 0.02
@@ -61,7 +55,7 @@ def test_a_heavy_body_sinks_to_the_ground_and_rests_there(simulate, solver, rati
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["dfsph", *LATER])
 def test_a_thin_light_plate_comes_up(simulate, solver):
-    out = simulate(scene(solver, 0.02, shape={"type": "box", "size": [0.2, 0.004, 0.2]}), 50, threads=2)
+    out = simulate(box_in_pool(solver, 0.02, shape={"type": "box", "size": [0.2, 0.004, 0.2]}), 50, threads=2)
     assert_nothing_broken(out)
     assert track(out, "y")[-1] > 0.25
 
@@ -70,7 +64,7 @@ def test_a_thin_light_plate_comes_up(simulate, solver):
 @pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iisph", "pcisph")])
 def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     """The water that was in its place is left out: it begins near its draft, and no faster than it could fall."""
-    out = simulate(scene(solver, 0.5, height=0.3), 20, threads=2)
+    out = simulate(box_in_pool(solver, 0.5, height=0.3), 20, threads=2)
     assert np.abs(track(out, "vy")).max() < 0.5
     assert np.abs(track(out, "y") - 0.3).max() < 0.04
     assert counts(out)["particles_without_room"] > 0
@@ -83,7 +77,7 @@ def test_the_same_bytes_again_and_resumed(simulate, solver, height):
         with np.load(out / "state_00006.npz") as state:
             return [state[name].tobytes() for name in sorted(state.files) if name != "meta"]
 
-    small = scene(solver, 0.4, height=height, fps=100)
+    small = box_in_pool(solver, 0.4, height=height, fps=100)
     whole = simulate(small, 6, "whole", threads=2)
     assert bytes_of(simulate(small, 6, "again", threads=2)) == bytes_of(whole)
     simulate(small, 3, "parts", threads=2)
@@ -93,7 +87,7 @@ def test_the_same_bytes_again_and_resumed(simulate, solver, height):
 
 def test_events_let_a_body_go_add_one_and_take_one_away(simulate):
     late = {"shape": BOX, "position": [0.1, 0.4, 0.1], "density": 300, "motion": "dynamic"}
-    held = scene("dfsph", 0.4)
+    held = box_in_pool("dfsph", 0.4)
     held["rigid"]["bodies"]["body"]["motion"] = "static"
     events = [
         {"at": 0.1, "set": {"rigid.bodies.body.motion": "dynamic"}},
@@ -113,7 +107,7 @@ def test_a_light_body_in_thick_fluid_is_not_thrown(simulate, solver):
     """A hundredth of the fluid's density, in honey a million times as thick as water, which is slow to give way: a ball
     of the same volume would rise by 2/9 g R^2 / nu = 5 mm/s. Pressures, which are found after friction, jolt it."""
     thick = {"viscosity": 1.0, "viscosity_solver": "implicit"}
-    out = simulate(scene(solver, 0.01, fluid=thick), 12, threads=2)
+    out = simulate(box_in_pool(solver, 0.01, fluid=thick), 12, threads=2)
     assert_nothing_broken(out)
     assert track(out, "y") == pytest.approx(np.full(13, 0.15), abs=0.005)
     assert np.abs(track(out, "vy")).max() < 0.5
@@ -122,5 +116,5 @@ def test_a_light_body_in_thick_fluid_is_not_thrown(simulate, solver):
 def test_a_body_sticks_to_thick_fluid_only_where_walls_do(simulate):
     """With free slip nothing but pressure moves it."""
     thick = {"viscosity": 1.0, "viscosity_solver": "implicit", "wall_slip": "free_slip"}
-    out = simulate(scene("dfsph", 0.5, height=0.3, fluid=thick), 3, threads=2)
+    out = simulate(box_in_pool("dfsph", 0.5, height=0.3, fluid=thick), 3, threads=2)
     assert_nothing_broken(out)
