@@ -10,7 +10,8 @@ import numpy as np
 from tests.particles import positions, read_frame, read_table, velocities
 
 RHO, G = 1000.0, 9.81
-BOX = {"type": "box", "size": [0.1, 0.1, 0.1]}
+EDGE = 0.1
+BOX = {"type": "box", "size": [EDGE, EDGE, EDGE]}
 
 
 def pool(

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from tests import bodies, cloths
-from tests.floating import box_in_pool, track
+from tests.floating import EDGE, box_in_pool, track
 from tests.particles import read_table
 
 PRECISION = 1.1
@@ -68,7 +68,8 @@ def _simulated(data: dict[str, Any], last: int, **unchecked: float) -> tuple[int
 
 
 def _basin(solver: str) -> Callable[[float], bool]:
-    """A column of water breaks in a box: energy does not grow, and nothing has to be repeated."""
+    """A column of water breaks in a box, where sound bounds the step: energy does not grow, and nothing has to be
+    repeated."""
     water = {"shape": {"type": "box", "size": [0.2, 0.3, 0.2]}, "position": [-0.1, 0.15, 0]}
     data = {
         "fps": 50,
@@ -84,6 +85,27 @@ def _basin(solver: str) -> Callable[[float], bool]:
         energy = steps["kinetic_energy"] + steps["potential_energy"]
         drop = energy[0] - steps["potential_energy"].min()
         return bool(energy.max() <= energy[0] + 0.02 * drop) and not _retried(out)
+
+    return stable
+
+
+def _thrown(solver: str) -> Callable[[float], bool]:
+    """A ball of water that is thrown through a box, without gravity, so that its speed alone bounds the step: it gets
+    no faster as a whole, and nothing has to be repeated."""
+    water = {"shape": {"type": "sphere", "radius": 0.1}, "position": [-0.08, 0.3, 0], "velocity": [5, 0, 0]}
+    data = {
+        "fps": 10,
+        "gravity": [0, 0, 0],
+        "containers": {"tank": {"type": "box", "size": [0.4, 0.6, 0.4]}},
+        "fluid": {"solver": solver, "particle_radius": 0.01, "bodies": {"water": water}},
+    }
+
+    def stable(cfl: float) -> bool:
+        status, out = _simulated(data, 5, cfl=cfl)
+        if status:
+            return False
+        energy = read_table(out / "steps.csv")["kinetic_energy"]
+        return bool(energy.max() <= 1.02 * energy[0]) and not _retried(out)
 
     return stable
 
@@ -163,20 +185,23 @@ def _heavy(ratio: float) -> bool:
 
 
 def _light(ratio: float) -> bool:
-    """A box that much lighter than water comes up and stays, thrown nowhere."""
+    """A box that much lighter than water comes up, never leaps out, and after 0.7 s bobs by less than half of its
+    height about where Archimedes has it."""
     status, out = _simulated(box_in_pool("dfsph", ratio), 45)
     if status or _retried(out):
         return False
     height = track(out, "y")
-    return bool(height[-10:].min() > 0.3 and height.max() < 0.5)
+    level = 0.3 + ratio * EDGE**3 / 0.4**2
+    afloat = level + (0.5 - ratio) * EDGE
+    return bool(np.abs(height[-10:] - afloat).max() < EDGE / 2 and height.max() < level + 2 * EDGE)
 
 
 def limits() -> dict[str, Limit]:
-    courant = "Courant, Friedrichs and Lewy 1928: no farther than half the support"
+    courant = "Courant, Friedrichs and Lewy 1928: half the support in a step"
     return {
         "wcsph": Limit("CFL number, WCSPH", "step.cfl", 0.4, _basin("wcsph"), (0.2, 6.4), 1.0, courant),
-        "iisph": Limit("CFL number, IISPH", "step.cfl", 0.4, _basin("iisph"), (0.2, 6.4), 1.0, courant),
-        "dfsph": Limit("CFL number, DFSPH", "step.cfl", 0.4, _basin("dfsph"), (0.2, 6.4), 1.0, courant),
+        "iisph": Limit("CFL number, IISPH", "step.cfl", 0.4, _thrown("iisph"), (0.2, 6.4), 1.0, courant),
+        "dfsph": Limit("CFL number, DFSPH", "step.cfl", 0.4, _thrown("dfsph"), (0.2, 6.4), 1.0, courant),
         "symplectic": Limit(
             "step of symplectic Euler over Gershgorin's bound",
             "cloth.symplectic_euler.share",
@@ -188,7 +213,9 @@ def limits() -> dict[str, Limit]:
         ),
         "tower": Limit("step with which five boxes stand [s]", "rigid.max_step", 0.004, _tower, (0.002, 0.25)),
         "heavy": Limit("mass of a box on a box", "rigid.bodies.NAME.density", 1.0, _heavy, (1.0, 1e3)),
-        "light": Limit("density of a body over water", "density", 0.5, _light, (1e-4, 0.5), least=True),
+        "light": Limit(
+            "density of a body over water", "rigid.bodies.NAME.density", 1.0, _light, (1e-4, 0.5), least=True
+        ),
     }
 
 

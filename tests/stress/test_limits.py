@@ -22,3 +22,11 @@ def test_explicit_cloth_breaks_where_its_highest_frequency_says():
     found, nothing_broke = limit.find()
     assert not nothing_broke
     assert limit.theory / PRECISION <= found <= limit.theory * PRECISION
+
+
+@pytest.mark.parametrize("name", ["iisph", "dfsph"])
+def test_water_breaks_where_its_particles_go_half_the_support_in_a_step(name):
+    limit = limits()[name]
+    found, nothing_broke = limit.find()
+    assert not nothing_broke
+    assert found * PRECISION == pytest.approx(limit.theory, rel=0.25)
