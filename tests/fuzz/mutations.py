@@ -67,7 +67,7 @@ def broken(draw: Any, original: Any, most: int = 3) -> Any:
                 other, there = draw(st.sampled_from(places))
                 group[key] = copy.deepcopy(other[there]) if _has(other, there) else None
             case _:
-                group[key] = draw(VALUES)
+                group[key] = copy.deepcopy(draw(VALUES))
     return data
 
 

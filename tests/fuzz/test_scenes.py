@@ -23,17 +23,15 @@ def original(name: str) -> Path:
 
 
 @pytest.fixture
-def survives(tmp_path):
+def survives(tmp_path, survived):
     """Loads what is written as a scene file; anything but SceneError fails the test."""
     path = tmp_path / "scenes" / "scene.yaml"
     path.parent.mkdir()
 
     def check(content: bytes, *overrides: str) -> None:
         path.write_bytes(content)
-        try:
+        with survived(SceneError):
             load(path, quality="draft", overrides=overrides, root=tmp_path)
-        except SceneError as error:
-            assert str(error)
 
     return check
 

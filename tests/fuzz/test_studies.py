@@ -33,7 +33,7 @@ def written(data: object) -> str:
     return json.dumps(data).replace("NaN", ".nan").replace("Infinity", ".inf")
 
 
-def test_studies(tmp_path):
+def test_studies(tmp_path, survived):
     tmp_path.joinpath("fall.yaml").write_text(written(SCENE))
     path = tmp_path / "study.yaml"
 
@@ -41,15 +41,13 @@ def test_studies(tmp_path):
     @given(broken(STUDY))
     def check(changed):
         path.write_text(written(changed))
-        try:
+        with survived(SceneError):
             assert load_study(path, "study").trials
-        except SceneError as error:
-            assert str(error)
 
     check()
 
 
-def test_wedges(tmp_path):
+def test_wedges(tmp_path, survived):
     path = tmp_path / "fall.yaml"
     paths = st.sampled_from(["gravity", "fps", "rigid.bodies.ball.density", "rigid.max_step", "render", "a.b", ""])
 
@@ -57,12 +55,10 @@ def test_wedges(tmp_path):
     @given(st.dictionaries(paths | st.text(max_size=8), st.lists(VALUES, max_size=3), max_size=3))
     def check(wedge):
         path.write_text(written({**SCENE, "wedge": wedge}))
-        try:
+        with survived(SceneError):
             scene = load(path, root=tmp_path)
             for combination in scene.wedge:
                 assert combination_of(scene, combination.name).name == f"fall@{combination.name}"
-        except SceneError as error:
-            assert str(error)
 
     check()
 
@@ -75,8 +71,6 @@ def test_wedges(tmp_path):
     ).map("".join)
     | st.text(max_size=20)
 )
-def test_formulas(text):
-    try:
+def test_formulas(survived, text):
+    with survived(Refused):
         assert abs(evaluate(text, {"x": 1.5, "y": -2.0, "t": 0.0})) < float("inf")
-    except Refused as refused:
-        assert str(refused)
