@@ -33,7 +33,7 @@ PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
         "render": {"resolution": [640, 360], "samples": 16, "noise_threshold": 0.05},
     },
     "final": {
-        "surface": {"cube_size": 0.5},
+        "surface": {"cube_size": 0.75, "surface_threshold": 0.55},
         "render": {"resolution": [1920, 1080], "samples": 128, "noise_threshold": 0.01, "bounces": 24},
         "rigid": {"max_step": 0.002},
         "cloth": {"max_step": 0.0025},
