@@ -113,4 +113,6 @@ def _shown(scene: Scene) -> list[int]:
 
 def _told(scene: Scene) -> str:
     count = particles(scene)
-    return f"{count:,} particles" if count else f"a spacing of {1000 * spacing(scene):.3g} mm"
+    if count:
+        return f"{count:,} particles"
+    return f"a spacing of {1000 * spacing(scene):.3g} mm" if scene.simulation.cloth is not None else "all bodies"

@@ -1,6 +1,7 @@
 """Scenes between presets: detail 0 is draft, 1 standard, 2 final, and numbers that these tell apart go along.
 
-Below 0 they go on as from standard to draft, for pilots; and spacings grow where presets leave them alone.
+Below 0, for pilots, spacings go on as from standard to draft, or grow where presets leave them alone; all else is as
+in a draft, since powers would soon leave what settings may be.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 from workflow import grid
 from workflow.presets import QUALITIES
 from workflow.scene import BUDGET, Scene, load
-from workflow.spacings import scaled, spacing
+from workflow.spacings import is_spacing, scaled, spacing
 
 FINEST = float(len(QUALITIES) - 1)
 COARSER = 1.4
@@ -52,13 +53,13 @@ def _settings(scene: Scene) -> dict[str, Any]:
 def _between(path: str, values: Sequence[Any], detail: float) -> Iterator[tuple[str, Any]]:
     """What has to be set where presets have these values, by path."""
     nearest = values[_nearest(detail)]
-    if path in KEPT:
-        return
-    if all(value == nearest for value in values):
+    if path in KEPT or all(value == nearest for value in values):
         return
     if all(isinstance(value, dict) and value.keys() == nearest.keys() for value in values):
         for key in nearest:
             yield from _between(f"{path}.{key}" if path else key, [value[key] for value in values], detail)
+    elif detail < 0 and not is_spacing(path):
+        return
     elif all(isinstance(value, list) and len(value) == len(nearest) for value in values):
         numbers = [_number(each, detail) for each in zip(*values, strict=True)]
         yield path, nearest if None in numbers else numbers
@@ -82,4 +83,4 @@ def _number(values: Sequence[Any], detail: float) -> float | int | None:
     if not all(isinstance(value, int) for value in values):
         return float(f"{found:.6g}")
     step = 2 if all(value % 2 == 0 for value in values) else 1
-    return max(step * math.floor(found / step + 0.5), min(values) if detail >= 0 else step)
+    return max(step * math.floor(found / step + 0.5), min(values))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from workflow.budget.calibrate import COARSEST
 from workflow.budget.detail import Presets
 from workflow.presets import QUALITIES
 from workflow.scene import load
@@ -41,6 +42,15 @@ def test_below_draft_spacings_grow_that_no_preset_changes(tmp_path):
     assert radii == pytest.approx([0.01 * 1.4**2, 0.01 * 1.4, 0.01, 0.01, 0.01])
     sheets = [presets.at(detail).simulation.cloth.sheets["sheet"].spacing for detail in (-1, 0, 1)]
     assert sheets == pytest.approx([0.05 * 1.4, 0.05, 0.05])
+
+
+def test_below_draft_all_but_spacings_stays():
+    """As far below as pilots go, steps and cubes by powers were larger than they may be."""
+    found, draft = Presets(SCENES / "everything.yaml").at(COARSEST), load(SCENES / "everything.yaml", quality="draft")
+    assert found.simulation.fluid.particle_radius > 2 * draft.simulation.fluid.particle_radius
+    assert found.simulation.rigid.max_step == draft.simulation.rigid.max_step
+    assert found.simulation.cloth.max_step == draft.simulation.cloth.max_step
+    assert (found.surface, found.render) == (draft.surface, draft.render)
 
 
 PLAIN = """\
