@@ -147,7 +147,7 @@ class ImplicitEuler(Settings):
 class SymplecticEuler(Settings):
     """Explicit steps, as many as stability asks for."""
 
-    share: Annotated[Dimensionless, Gt(0), Le(1)] = 0.7
+    share: Annotated[Dimensionless, Gt(0), Le(1)] = 0.69
     """Length of a step over the longest stable one."""
 
 
