@@ -16,7 +16,7 @@ from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import MeshFile, Placement
 from sim.rigid.spec import Contact, Rigid, RigidBody
 from sim.settings import Name, Settings
-from sim.units import Acceleration, Dimensionless, Extents, Frequency, Position, PositiveDuration
+from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
 
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
@@ -150,7 +150,8 @@ class Addition(Settings):
 class Event(Settings):
     """A change of the scene at a time."""
 
-    at: PositiveDuration
+    at: Duration
+    """When [s]; what happens at the time of a frame is first seen in the frame after."""
     add: Addition = Addition()
     remove: tuple[Name, ...] = ()
     """Names of bodies, emitters, drains, sheets or containers that vanish; what an emitter has sent stays."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim import runtime
 from sim.checkpoint import Checkpoint, Clock
-from sim.events import TIME_TOLERANCE, events_between, spec_at, spec_before
+from sim.events import TIME_TOLERANCE, apply, events_between, spec_before
 from sim.failure import FIXED_MARGIN, MAX_RETRIES, Fault, Interrupted, Stopped, find_fault, report, short_step
 from sim.output import Output
 from sim.probes import Probes
@@ -28,6 +28,8 @@ GROWTH = 1.1
 """A step is at most this much longer than the one before: it falls at once and rises slowly."""
 RECOVERY = 2.0
 """After a frame without a fault, a shortened step may be this much longer in the next frame."""
+ROUNDING = 1e-9
+"""Events that come in while a run steps are so long [s] after what is settled."""
 LONGEST_STEP = 1.0
 """The step [s] where nothing limits it; frames and events cut it."""
 
@@ -65,10 +67,14 @@ class Run:
         """What was said of sheets that do not begin where they are placed."""
         self.stop_requested = False
         """Set from outside to end the run between two steps."""
+        self.before_step: Callable[[], None] = lambda: None
+        """Called before every step; may end the run by an exception, or bring in an event."""
+        self._open_from = 0.0
+        """The earliest time [s] of this frame at which an event would not have changed the steps taken until now."""
         self.steps_taken = 0
         self.particle_steps = 0
         with self.stopwatch.phase("build"):
-            self.world = World(spec_at(spec, 0.0), folder)
+            self.world = World(spec_before(spec, 0.0), folder)
 
     def start(self) -> None:
         """Make the particles of the start."""
@@ -96,6 +102,30 @@ class Run:
                 checkpoint.cloth,
             )
         self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
+
+    def bring_in(self, make: Callable[[float], Event]) -> Event:
+        """Let an event happen as soon as it can without a change of the steps taken until now, so that a run that knows
+        of it from the start takes the same ones: at most two steps from now, or at the end of the frame. `make` gives
+        the event at a time [s].
+
+        Between two steps only.
+        """
+        end = (self.clock.frame + 1) / self.spec.fps
+        at = min([self._open_from, *self._ahead(end)]) if self._open_from < math.inf else end
+        if at > end - 0.5 * self._last_step:
+            at = end
+        event = make(at)
+        events = sorted([*self.spec.events, event], key=lambda event: event.at)
+        self.spec = self.spec.model_copy(update={"events": tuple(events)})
+        return event
+
+    def _ahead(self, end: float) -> list[float]:
+        """Times [s] before `end` at which something is going to happen."""
+        return [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
+
+    @property
+    def _last_step(self) -> float:
+        return self.clock.last_step * self.clock.step_scale
 
     def checkpoint(self) -> Checkpoint:
         """The state between two steps."""
@@ -134,7 +164,7 @@ class Run:
         """Simulate one frame, again with half the step where a fault is found."""
         taken, cause = self.steps_taken, None
         for retry in range(MAX_RETRIES + 1):
-            fault = self._try_frame(output)
+            fault = self._try_frame(output, retry)
             if fault is None:
                 if retry == 0:
                     self.clock.step_scale = min(1.0, good.clock.step_scale * RECOVERY)
@@ -153,56 +183,68 @@ class Run:
             self.warn(f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step")
         raise AssertionError("unreachable")
 
-    def _try_frame(self, output: Output) -> Fault | None:
+    def _try_frame(self, output: Output, retry: int) -> Fault | None:
         """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
         self.world.begin_frame()
-        target = (self.clock.frame + 1) / self.spec.fps
-        for now, events in events_between(self.spec, self.clock.time, target):
-            fault = self._advance_to(now, output)
-            if fault is not None:
-                return fault
-            self._apply_events(now, events)
-        fault = self._advance_to(target, output)
-        if fault is None:
-            self.clock.frame += 1
-        return fault
+        since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
+        # An event that comes in while a frame is repeated would have been met by what was tried before.
+        self._open_from = since if retry == 0 else math.inf
+        while True:
+            self.before_step()
+            upcoming = events_between(self.spec, since, end)
+            until = upcoming[0][0] if upcoming else end
+            if self.clock.time < until - TIME_TOLERANCE:
+                fault = self._step(until, output)
+                if fault is not None:
+                    return fault
+            elif upcoming:
+                self._apply_events(upcoming[0][1])
+                since = until + 2 * TIME_TOLERANCE
+                self._open_from = max(self._open_from, until + self._last_step)
+            else:
+                self.clock.frame += 1
+                return None
 
-    def _advance_to(self, until: float, output: Output) -> Fault | None:
-        """Step to the time `until` [s] exactly."""
-        while self.clock.time < until - TIME_TOLERANCE:
-            if self.stop_requested:
-                output.drop_rows()
-                raise Interrupted
-            limit = self.world.step_limit(self.measure)
-            fault = short_step(self.world, self.measure, limit * self.clock.step_scale, self.spec.fps)
-            if fault is not None:
-                return fault
-            start = time.perf_counter()
-            target = self._target(until)
-            rest = target - self.clock.time
-            wanted = self._wanted_step(limit)
-            dt = _fit(wanted * self.clock.step_scale, rest, even=self.spec.step.fixed is None)
-            after = target if dt == rest else self.clock.time + dt
-            with self.stopwatch.phase("stepping"):
-                told = self.world.advance(dt, after)
-                self.measure = self.world.measure()
-            self.clock.time = after
-            self.clock.last_step = wanted
-            self.clock.step += 1
-            wall = time.perf_counter() - start
-            fault = find_fault(self.world, self.measure, dt)
-            if fault is not None:
-                return fault
-            self.steps_taken += 1
-            self.particle_steps += self.world.fluid.count if self.world.fluid else 0
-            self.counts.steps_capped += int(told.get("capped", 0) > 0)
-            self.counts.particles_squeezed += int(told.get("squeezed", 0))
-            self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
-            self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
-            self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
-            output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
-            self._sample(output)
+    def _step(self, until: float, output: Output) -> Fault | None:
+        """One step, no further than to the time `until` [s], which is met exactly."""
+        if self.stop_requested:
+            output.drop_rows()
+            raise Interrupted
+        limit = self.world.step_limit(self.measure)
+        fault = short_step(self.world, self.measure, limit * self.clock.step_scale, self.spec.fps)
+        if fault is not None:
+            return fault
+        start = time.perf_counter()
+        target = self._target(until)
+        rest = target - self.clock.time
+        wanted = self._wanted_step(limit)
+        even, longest = self.spec.step.fixed is None, wanted * self.clock.step_scale
+        dt = _fit(longest, rest, even=even)
+        self._open_from = max(self._open_from, self.clock.time + (2 if even else 1) * longest + ROUNDING)
+        after = target if dt == rest else self.clock.time + dt
+        with self.stopwatch.phase("stepping"):
+            told = self.world.advance(dt, after)
+            self.measure = self.world.measure()
+        self.clock.time = after
+        self.clock.last_step = wanted
+        self.clock.step += 1
+        wall = time.perf_counter() - start
+        fault = find_fault(self.world, self.measure, dt)
+        if fault is not None:
+            return fault
+        self.steps_taken += 1
+        self.particle_steps += self.world.fluid.count if self.world.fluid else 0
+        self._count(told)
+        output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
+        self._sample(output)
         return None
+
+    def _count(self, told: dict[str, float]) -> None:
+        self.counts.steps_capped += int(told.get("capped", 0) > 0)
+        self.counts.particles_squeezed += int(told.get("squeezed", 0))
+        self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
+        self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
+        self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
 
     def _target(self, until: float) -> float:
         """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
@@ -221,15 +263,18 @@ class Run:
             limits.append(GROWTH * self.clock.last_step)
         return min(limits)
 
-    def _apply_events(self, now: float, events: list[Event]) -> None:
-        """Build the world anew as the events at this time want it, with the particles there are."""
+    def _apply_events(self, events: list[Event]) -> None:
+        """Build the world anew as events that happen now want it, with the particles there are."""
+        spec = self.world.spec
+        for event in events:
+            spec = apply(spec, event, self.spec.events.index(event))
         state = self.world.fluid.state() if self.world.fluid else None
         emission, names = self._emission(), self._body_names()
         # Contacts are numbered by the bodies there are, which may change.
         rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
         cloth = self.world.cloth.state().without_contacts() if self.world.cloth else None
         with self.stopwatch.phase("build"):
-            self.world = World(spec_at(self.spec, now), self.folder, self.world.origin, rigid, cloth)
+            self.world = World(spec, self.folder, self.world.origin, rigid, cloth)
             for event in events if state is not None else ():
                 for name in event.remove:
                     if name in names:
