@@ -69,6 +69,7 @@ class Run:
         """Set from outside to end the run between two steps."""
         self.before_step: Callable[[], None] = lambda: None
         """Called before every step; may end the run by an exception, or bring in an event."""
+        self._repeated = False
         self._open_from = 0.0
         """The earliest time [s] of this frame at which an event would not have changed the steps taken until now."""
         self.steps_taken = 0
@@ -103,25 +104,28 @@ class Run:
             )
         self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
 
-    def bring_in(self, make: Callable[[float], Event]) -> Event:
-        """Let an event happen as soon as it can without a change of the steps taken until now, so that a run that knows
-        of it from the start takes the same ones: at most two steps from now, or at the end of the frame. `make` gives
-        the event at a time [s].
+    @property
+    def untouched(self) -> bool:
+        """Whether no step of the frame was taken yet."""
+        return self.clock.time < self.clock.frame / self.spec.fps + TIME_TOLERANCE
+
+    def earliest(self) -> float:
+        """The earliest time [s] at which an event can come in without a change of the steps taken until now, so that a
+        run that knows of it from the start takes the same ones: at most two steps from now, or the end of the frame.
 
         Between two steps only.
         """
         end = (self.clock.frame + 1) / self.spec.fps
-        at = min([self._open_from, *self._ahead(end)]) if self._open_from < math.inf else end
-        if at > end - 0.5 * self._last_step:
-            at = end
-        event = make(at)
+        if self._open_from == math.inf:
+            return end
+        ahead = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
+        at = min([self._open_from, *ahead])
+        return at if at < end - 0.5 * self._last_step else end
+
+    def bring_in(self, event: Event) -> None:
+        """Add an event, which is not to happen before `earliest`."""
         events = sorted([*self.spec.events, event], key=lambda event: event.at)
         self.spec = self.spec.model_copy(update={"events": tuple(events)})
-        return event
-
-    def _ahead(self, end: float) -> list[float]:
-        """Times [s] before `end` at which something is going to happen."""
-        return [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
 
     @property
     def _last_step(self) -> float:
@@ -188,7 +192,8 @@ class Run:
         self.world.begin_frame()
         since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
         # An event that comes in while a frame is repeated would have been met by what was tried before.
-        self._open_from = since if retry == 0 else math.inf
+        self._repeated = retry > 0
+        self._open_from = math.inf if self._repeated else since
         while True:
             self.before_step()
             upcoming = events_between(self.spec, since, end)
@@ -200,7 +205,8 @@ class Run:
             elif upcoming:
                 self._apply_events(upcoming[0][1])
                 since = until + 2 * TIME_TOLERANCE
-                self._open_from = max(self._open_from, until + self._last_step)
+                # Sooner than after a step like the last one, the next step would be next to nothing.
+                self._open_from = max(self._open_from, until + self._last_step) if self._last_step else math.inf
             else:
                 self.clock.frame += 1
                 return None
@@ -220,7 +226,8 @@ class Run:
         wanted = self._wanted_step(limit)
         even, longest = self.spec.step.fixed is None, wanted * self.clock.step_scale
         dt = _fit(longest, rest, even=even)
-        self._open_from = max(self._open_from, self.clock.time + (2 if even else 1) * longest + ROUNDING)
+        settled = self._open_from if self._open_from < math.inf or self._repeated else 0.0
+        self._open_from = max(settled, self.clock.time + (2 if even else 1) * longest + ROUNDING)
         after = target if dt == rest else self.clock.time + dt
         with self.stopwatch.phase("stepping"):
             told = self.world.advance(dt, after)

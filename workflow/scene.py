@@ -99,7 +99,12 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
         if override.partition("=")[0].partition(".")[0].strip() in {"quality", "presets"}:
             raise SceneError([f"--set {override}: presets are chosen before\n  fix: use --quality {quality}"])
         document.set(override)
-    scene = _compose(document, path, str(quality))
+    return compose(document, path, str(quality), root)
+
+
+def compose(document: Document, path: Path, quality: str, root: Path | None = None) -> Scene:
+    """The scene that a document holds, checked as `load` does, whose presets and overrides were applied."""
+    scene = _split(document, path, quality)
     try:
         _check_across_stages(scene)
         _check_writes(scene, root or Path.cwd())
@@ -131,7 +136,7 @@ def name_of(path: Path) -> str:
     return "/".join(parts[parts.index("scenes") + 1 :]) if "scenes" in parts[:-1] else path.stem
 
 
-def _compose(document: Document, path: Path, quality: str) -> Scene:
+def _split(document: Document, path: Path, quality: str) -> Scene:
     try:
         whole = SceneFile.model_validate(document.data)
     except ValidationError as error:

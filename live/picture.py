@@ -1,0 +1,145 @@
+"""What viewers see of a running simulation: places of particles, bodies and cloth at one time, and its course."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from sim.fluid.system import Measure
+    from sim.world import World
+
+COURSE = ("time", "kinetic", "potential", "elastic", "density_error")
+"""Columns of a course: s, J, J, J, and the mean compression as a share of the rest density."""
+LONGEST_COURSE = 2000
+"""Rows of a course; older ones are let go."""
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A surface whose points [m], shape [n, 3], and triangles stay the same, about its own origin."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+    container: bool = False
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a solid is: its origin [m], and a unit quaternion w, x, y, z."""
+
+    position: np.ndarray
+    quaternion: np.ndarray
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One time of a run; arrays are not changed later."""
+
+    frame: int
+    time: float
+    points: np.ndarray
+    """Particles [m], single precision, shape [n, 3]."""
+    speed: np.ndarray
+    """Of particles [m/s], shape [n]."""
+    compression: np.ndarray
+    """Of particles: density over rest density, less one, shape [n]."""
+    origin: np.ndarray
+    """What to add to the places of particles [m], shape [3]."""
+    spacing: float
+    """Of particles [m]; 0 without any."""
+    poses: dict[str, Pose]
+    cloths: dict[str, np.ndarray]
+    """Points of sheets [m], shape [n, 3]."""
+    scenery: int
+    """Changes where there are other solids or sheets than before."""
+
+
+@dataclass
+class Scenery:
+    """What of a picture stays the same from one to the next."""
+
+    number: int = 0
+    solids: dict[str, Solid] = field(default_factory=dict)
+    cloths: dict[str, np.ndarray] = field(default_factory=dict)
+    """Triangles of sheets."""
+
+
+def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
+    """The world as it is."""
+    points, velocity, spacing, density = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32), 0.0, 1.0
+    if world.fluid is not None:
+        particles = world.fluid.system.particles
+        points = particles.numpy("position")[:, :3].astype(np.float32)
+        velocity = particles.numpy("velocity")
+        spacing, density = world.spec.fluid.spacing, world.spec.fluid.rest_density
+    return Picture(
+        frame=frame,
+        time=time,
+        points=points,
+        speed=np.linalg.norm(velocity[:, :3], axis=1),
+        compression=velocity[:, 3] / density - 1.0,
+        origin=np.array(world.origin),
+        spacing=spacing,
+        poses={item.name: _pose(item, time) for item in world.obstacles.placed if not item.hollow},
+        cloths={item.name: world.cloth.vertices(item.name)[0] for item in world.sheets} if world.cloth else {},
+        scenery=scenery,
+    )
+
+
+def scenery(world: World, number: int) -> Scenery:
+    """What of the world's pictures stays the same."""
+    solids = {}
+    for item in world.obstacles.placed:
+        centre = np.zeros(3) if item.hollow else item.centre
+        solids[item.name] = Solid(item.solid.mesh.vertices - centre, item.solid.mesh.faces, item.hollow)
+    for name, (points, triangles) in world.obstacles.box_surfaces().items():
+        solids[name] = Solid(points, triangles, container=True)
+    return Scenery(number, solids, {item.name: np.asarray(item.fabric.triangles) for item in world.sheets})
+
+
+def _pose(item, time: float) -> Pose:
+    movement = item.movement(time)
+    turned = np.array([1.0, 0.0, 0.0, 0.0]) if movement is None else movement.quaternion()
+    return Pose(item.centre_at(time), turned)
+
+
+class Course:
+    """Energies and errors over time; what a step adds counts once its frame is done."""
+
+    def __init__(self):
+        self._rows: deque[tuple[float, ...]] = deque(maxlen=LONGEST_COURSE)
+        self._pending: list[tuple[float, ...]] = []
+
+    def add(self, time: float, world: World, measure: Measure | None) -> None:
+        kinetic = potential = elastic = error = 0.0
+        if measure is not None and world.fluid.count:
+            kinetic += measure.kinetic_energy
+            potential += world.fluid.potential_energy(measure)
+            error = measure.compression_sum / world.fluid.count
+        for part in (world.rigid, world.cloth):
+            if part:
+                found = part.measure()
+                kinetic += found.kinetic_energy
+                potential += found.potential_energy
+        if world.cloth:
+            elastic = world.cloth.measure().elastic_energy
+        self._pending.append((time, kinetic, potential, elastic, error))
+
+    def settle(self) -> None:
+        self._rows.extend(self._pending)
+        self._pending.clear()
+
+    def drop(self) -> None:
+        self._pending.clear()
+
+    def back_to(self, time: float) -> None:
+        self._pending.clear()
+        self._rows = deque((row for row in self._rows if row[0] <= time), maxlen=LONGEST_COURSE)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        rows = np.array([*self._rows]).reshape(-1, len(COURSE))
+        return {name: rows[:, column] for column, name in enumerate(COURSE)}

@@ -1,0 +1,165 @@
+"""What is done to a live run is in the saved scene, which gives the same bytes."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from live.session import Session
+from workflow.document import SceneError
+from workflow.scene import load
+
+SCENE = """\
+duration: 1
+fps: 50
+containers:
+  tank: {type: box, size: [0.4, 0.8, 0.4]}
+fluid:
+  solver: dfsph
+  particle_radius: 10 mm
+  bodies:
+    water: {shape: {type: box, size: [0.4, 0.3, 0.4]}, position: [0, 0.15, 0]}
+rigid:
+  bodies:
+    box: {shape: {type: box, size: [0.1, 0.1, 0.1]}, position: [0, 0.4, 0], density: 300, motion: dynamic}
+"""
+BOX = {"shape": {"type": "box", "size": [0.08, 0.08, 0.08]}, "density": 300, "motion": "dynamic"}
+
+
+class Stage:
+    """A session in a thread of its own."""
+
+    def __init__(self, path, **options):
+        self.session = Session(load(path), threads=2, arch="cpu", **options)
+        self.session.watched = True
+        self.problems: list[str] = []
+        self.thread = threading.Thread(target=self.session.run, daemon=True)
+        self.thread.start()
+        assert self.session.ready.wait(120)
+
+    def change(self, **data) -> None:
+        self.session.change(data, self.problems.append)
+
+    def until(self, reached, seconds=120.0) -> None:
+        end = time.monotonic() + seconds
+        while not reached(self.session):
+            assert time.monotonic() < end and self.thread.is_alive(), self.session.status
+            time.sleep(0.005)
+
+    def step(self) -> None:
+        frame = self.session.status.frame
+        self.session.step()
+        self.until(lambda session: session.status.frame > frame and session.status.mode == "paused")
+
+
+@pytest.fixture
+def stage(tmp_path):
+    path = tmp_path / "scenes" / "pool.yaml"
+    path.parent.mkdir()
+    path.write_text(SCENE)
+    stage = Stage(path)
+    yield stage
+    stage.session.close()
+    stage.thread.join(30)
+    assert not stage.thread.is_alive()
+
+
+def bytes_of(session: Session) -> bytes:
+    state = session._simulation.good
+    order = np.argsort(state.fluid.tag[:, 0])
+    return state.fluid.position[order].tobytes() + state.rigid.position.tobytes()
+
+
+def test_a_saved_scene_gives_the_same_bytes(stage, simulate, tmp_path):
+    """Changes at rest, while it plays, and after it went back."""
+    session = stage.session
+    stage.change(set={"gravity": [0.0, -5.0, 0.0]})
+    stage.change(add={"rigid": {"first": BOX | {"position": [0.1, 0.5, 0.1]}}})
+    session.play()
+    stage.until(lambda session: session.status.frame >= 3)
+    stage.change(add={"rigid": {"second": BOX | {"position": [-0.1, 0.6, 0.1]}}})
+    stage.until(lambda session: session.status.frame >= 5)
+    stage.change(set={"fluid.viscosity": 1e-3})
+    stage.until(lambda session: session.status.frame >= 7)
+    session.go_back(6)
+    stage.until(lambda session: session.status.frame == 6 and session.status.mode == "paused")
+    stage.change(remove=["first"])
+    stage.step()
+    stage.step()
+    saved = []
+    session.save(tmp_path / "scenes" / "played.yaml", saved.append, stage.problems.append)
+    stage.until(lambda session: saved or stage.problems)
+    assert stage.problems == []
+    scene = saved[0]
+    assert scene.last_frame == 8 and len(scene.simulation.events) == 5
+    out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), 8, threads=2)
+    with np.load(out / "state_00008.npz") as state:
+        order = np.argsort(state["fluid.tag"][:, 0])
+        again = state["fluid.position"][order].tobytes() + state["rigid.position"].tobytes()
+    assert again == bytes_of(session)
+
+
+def test_bad_values_are_refused_with_the_message_of_the_file_and_nothing_changes(stage):
+    session = stage.session
+    for data in (
+        {"set": {"fluid.viscosity": -1}},
+        {"set": {"fluid.viscocity": 1}},
+        {"set": {"fps": 10}},
+        {"remove": ["nobody"]},
+        {"add": {"rigid": {"box": BOX}}},
+        {"add": {"fluid": {"more": {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "position": [9, 0.1, 0]}}}},
+        {"set": {"gravity": [float("nan"), 0, 0]}},
+        {},
+    ):
+        stage.change(**data)
+    session.step()
+    stage.until(lambda session: session.status.frame >= 1 and session.status.mode == "paused")
+    assert len(stage.problems) == 8, stage.problems
+    text = "\n".join(stage.problems)
+    for words in ("did you mean", "can not change during", "there is no body named 'nobody'", "body named 'box'"):
+        assert words in text, words
+    assert session.spec == load(session.script.scene.path).simulation
+    assert session._simulation.spec.events == ()
+
+
+def test_a_problem_reads_as_in_the_file(stage, tmp_path):
+    stage.change(set={"fluid.viscosity": -1})
+    stage.until(lambda session: stage.problems)
+    path = tmp_path / "scenes" / "bad.yaml"
+    path.write_text(SCENE + "events:\n  - {at: 0.1, set: {fluid.viscosity: -1}}\n")
+    with pytest.raises(SceneError) as wrong:
+        load(path)
+    (first, *_, last), (live_first, *_, live_last) = (
+        text.splitlines() for text in (wrong.value.problems[0], stage.problems[0])
+    )
+    assert first.partition("events.0")[2] == live_first.partition("events.0")[2] != ""
+    assert last == live_last
+
+
+def test_what_stops_the_simulation_pauses_it_and_says_why(stage):
+    session = stage.session
+    stage.step()
+    stage.change(set={"step.fixed": 0.004, "gravity": [0, -200, 0]})
+    session.play()
+    stage.until(lambda session: session.status.problem)
+    assert "stopped at" in session.status.problem and "fix:" in session.status.problem
+    stage.until(lambda session: session.status.mode == "paused")
+    session.go_back(0)
+    stage.until(lambda session: session.status.frame == 0 and not session.status.problem)
+    stage.step()
+    assert session.status.frame == 1 and session._simulation.spec.events == ()
+
+
+def test_it_keeps_to_its_speed(stage):
+    session = stage.session
+    stage.step()
+    session.set_speed(0.05)
+    session.play()
+    began, simulated = time.perf_counter(), session.status.time
+    time.sleep(1.5)
+    session.pause()
+    stage.until(lambda session: session.status.mode == "paused")
+    assert (session.status.time - simulated) / (time.perf_counter() - began) < 0.07
