@@ -224,7 +224,7 @@ class Run:
         target = self._target(until)
         rest = target - self.clock.time
         wanted = self._wanted_step(limit)
-        even, longest = self.spec.step.fixed is None, wanted * self.clock.step_scale
+        even, longest = self.world.spec.step.fixed is None, wanted * self.clock.step_scale
         dt = _fit(longest, rest, even=even)
         settled = self._open_from if self._open_from < math.inf or self._repeated else 0.0
         self._open_from = max(settled, self.clock.time + (2 if even else 1) * longest + ROUNDING)
@@ -260,7 +260,7 @@ class Run:
 
     def _wanted_step(self, limit: float) -> float:
         """The step [s] before the end of a frame cuts it; `limit` [s] is the largest stable one."""
-        step = self.spec.step
+        step = self.world.spec.step
         if step.fixed is not None:
             return step.fixed
         limits = [limit, LONGEST_STEP]
@@ -342,7 +342,7 @@ class Run:
         short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
         if short is not None:
             raise Refused(short.what, remedy=short.remedy)
-        fixed = self.spec.step.fixed
+        fixed = self.world.spec.step.fixed
         limit = self.world.step_limit(self.measure) * FIXED_MARGIN
         if fixed is not None and fixed > limit:
             raise Refused(
@@ -355,7 +355,7 @@ class Run:
         """Refuse steps longer than cloth may take, and cloth that would need too many explicit ones in each."""
         if not self.world.cloth:
             return
-        limits, step = self.world.cloth.step_limits(), self.spec.step
+        limits, step = self.world.cloth.step_limits(), self.world.spec.step
         most, stiff = limits["cloth step"], limits.get("cloth stiffness", math.inf)
         if step.fixed is not None and step.fixed > most:
             raise Refused(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from live.session import Session
+from sim.failure import Fault
 from workflow.document import SceneError
 from workflow.scene import load
 
@@ -43,10 +44,10 @@ class Stage:
     def change(self, **data) -> None:
         self.session.change(data, self.problems.append)
 
-    def until(self, reached, seconds=120.0) -> None:
+    def until(self, reached, seconds=40.0) -> None:
         end = time.monotonic() + seconds
         while not reached(self.session):
-            assert time.monotonic() < end and self.thread.is_alive(), self.session.status
+            assert time.monotonic() < end and self.thread.is_alive(), (self.session.status, self.problems)
             time.sleep(0.005)
 
     def step(self) -> None:
@@ -139,14 +140,17 @@ def test_a_problem_reads_as_in_the_file(stage, tmp_path):
     assert last == live_last
 
 
-def test_what_stops_the_simulation_pauses_it_and_says_why(stage):
+def test_what_stops_the_simulation_pauses_it_and_says_why(stage, monkeypatch):
     session = stage.session
     stage.step()
-    stage.change(set={"step.fixed": 0.004, "gravity": [0, -200, 0]})
-    session.play()
-    stage.until(lambda session: session.status.problem)
-    assert "stopped at" in session.status.problem and "fix:" in session.status.problem
-    stage.until(lambda session: session.status.mode == "paused")
+    with monkeypatch.context() as patch:
+        fault = Fault("a fault of the test", "none helps", repeatable=False)
+        patch.setattr("sim.stepping.find_fault", lambda world, measure, dt: fault if dt else None)
+        stage.change(set={"gravity": [0, -5, 0]})
+        session.play()
+        stage.until(lambda session: session.status.problem and session.status.mode == "paused")
+    assert "a fault of the test\nfix: none helps" in session.status.problem
+    assert session.status.frame == 1
     session.go_back(0)
     stage.until(lambda session: session.status.frame == 0 and not session.status.problem)
     stage.step()
