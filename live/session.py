@@ -22,6 +22,8 @@ from sim.stepping import Run
 from workflow.document import SceneError
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from sim.fluid.system import Measure
     from sim.spec import Event, SimulationSpec
     from sim.world import World
@@ -129,6 +131,11 @@ class Session:
     def spec(self) -> SimulationSpec:
         """The settings in force, without events."""
         return self._simulation.world.spec
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Box around all that happens [m], shape [2, 3]."""
+        return self._simulation.world.bounds
 
     # The thread of the simulation
 

@@ -1,4 +1,4 @@
-"""Check, explain or run the simulation of a scene file, without the rest of the pipeline."""
+"""Check, explain, run or play the simulation of a scene file, without the rest of the pipeline."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ examples:
       the same with other values
   python -m sim run scenes/bunny.yaml --out more --resume out/state_00024.npz
       go on from a state
+  python -m sim live scenes/duck.yaml --quality draft
+      play it in a browser, change it while it runs, and save what was done as a scene
 
 exit status: 0 done, 1 failed, 2 refused (the message names field, line and remedy), 3 stopped by the failure
 policy (see failure.json; the last good state is kept)
@@ -40,7 +42,8 @@ def main(arguments: list[str] | None = None) -> int:
     check = commands.add_parser("check", help="validate a scene file")
     explain = commands.add_parser("explain", help="say what a scene models and what it could leave out")
     run = commands.add_parser("run", help="simulate a scene file")
-    for command in (check, explain, run):
+    live = commands.add_parser("live", help="play a scene in a browser, and change it while it runs")
+    for command in (check, explain, run, live):
         command.add_argument("scene", type=Path, help="scene file, as scenes/bunny.yaml")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
@@ -50,8 +53,9 @@ def main(arguments: list[str] | None = None) -> int:
         help="predict time and disk of the film, after coarse copies of it on all cores",
     )
     _add_run_options(run)
+    _add_live_options(live)
     options = parser.parse_args(arguments)
-    return {"check": _check, "explain": _explain, "run": _run}[options.command](options)
+    return {"check": _check, "explain": _explain, "run": _run, "live": _live}[options.command](options)
 
 
 def _add_run_options(run: argparse.ArgumentParser) -> None:
@@ -60,9 +64,24 @@ def _add_run_options(run: argparse.ArgumentParser) -> None:
     run.add_argument("--out", type=Path, required=True, help="folder for frames, tables and state")
     run.add_argument("--frames", type=frame_range, metavar="A:B", help="frames to write, both included (default: all)")
     run.add_argument("--resume", type=Path, metavar="STATE", help="go on from this state_*.npz")
-    run.add_argument("--threads", type=int, help="CPU threads (default: all)")
-    run.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="device (default: CUDA if there)")
+    _add_device(run)
     run.add_argument("--quiet", action="store_true", help="no progress")
+
+
+def _add_live_options(live: argparse.ArgumentParser) -> None:
+    live.add_argument("--port", type=int, default=8080, help="of the page (default: 8080, or the next that is free)")
+    live.add_argument(
+        "--host", default="127.0.0.1", help="address to listen at (default: 127.0.0.1; others ask viewers for a token)"
+    )
+    live.add_argument("--play", action="store_true", help="play at once instead of waiting for the button")
+    live.add_argument("--stop-when-left", action="store_true", help="end when the last page is closed")
+    live.add_argument("--history", type=float, default=1.0, metavar="GB", help="memory for going back (default: 1)")
+    _add_device(live)
+
+
+def _add_device(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--threads", type=int, help="CPU threads (default: all)")
+    command.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -148,6 +167,28 @@ def _run(options: argparse.Namespace) -> int:
                 arch=options.arch,
                 quiet=options.quiet,
             )
+        except Refused as refused:
+            print(scene.error(refused), file=sys.stderr)
+            return REFUSED
+
+    return guarded(action)
+
+
+def _live(options: argparse.Namespace) -> int:
+    from live.serve import serve
+    from sim.segment import guarded
+    from workflow.document import SceneError
+    from workflow.scene import load
+
+    try:
+        scene = load(options.scene, quality=options.quality, overrides=options.set)
+    except SceneError as error:
+        print(error, file=sys.stderr)
+        return REFUSED
+
+    def action() -> int:
+        try:
+            return serve(scene, options)
         except Refused as refused:
             print(scene.error(refused), file=sys.stderr)
             return REFUSED

@@ -1,0 +1,137 @@
+"""The page: who looks, who steers, and what each is sent."""
+
+from __future__ import annotations
+
+import hmac
+import secrets
+import threading
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import viser
+
+from live.panel import Panel
+from live.view import View
+
+if TYPE_CHECKING:
+    from live.session import Session
+
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+RATE = 30
+"""Pictures a second that are sent at most."""
+REFRESH = 0.25
+"""Between two refreshes of numbers and plots [s]."""
+
+
+@dataclass
+class Viewer:
+    """One browser that was let in."""
+
+    client: viser.ClientHandle
+    view: View
+    panel: Panel
+    take_over: viser.GuiButtonHandle
+    shown: object = None
+    """What it was sent last."""
+
+
+class Page:
+    """Serves a session to browsers. One of them steers, the others watch and may take over."""
+
+    def __init__(
+        self, session: Session, *, host: str, port: int, token: str | None = None, stop_when_left: bool = False
+    ):
+        self.session, self.token, self.stop_when_left = session, token, stop_when_left
+        self._viewers: dict[int, Viewer] = {}
+        self._lock = threading.RLock()
+        self._steers: int | None = None
+        self.server = viser.ViserServer(host=host, port=port, label="Tidemill", verbose=False)
+        self.server.gui.configure_theme(dark_mode=False, control_width="large", show_share_button=False)
+        self.server.on_client_connect(self._came)
+        self.server.on_client_disconnect(self._left)
+        self._thread = threading.Thread(target=self._send, daemon=True, name="pictures")
+        self._thread.start()
+
+    @property
+    def port(self) -> int:
+        return self.server.get_port()
+
+    def close(self) -> None:
+        self.server.stop()
+
+    def _came(self, client: viser.ClientHandle) -> None:
+        if self.token is None:
+            self._let_in(client)
+            return
+        with client.gui.add_folder("This simulation asks for its token") as folder:
+            given = client.gui.add_text("token", "")
+            enter = client.gui.add_button("Enter")
+
+        def check(event: viser.GuiEvent) -> None:
+            if hmac.compare_digest(given.value.strip().encode(), self.token.encode()):
+                folder.remove()
+                self._let_in(client)
+            else:
+                time.sleep(1.0)
+                client.add_notification("Refused", "this is not the token that the terminal shows", color="red")
+
+        enter.on_click(check)
+
+    def _let_in(self, client: viser.ClientHandle) -> None:
+        number = client.client_id
+        view = View(client)
+        take = client.gui.add_button("Take over", hint="steer this simulation yourself", visible=False)
+        take.on_click(lambda event: self._take_over(number))
+        uploads = self.session.script.scene.folder / "uploads"
+        panel = Panel(client, self.session, view, lambda: self._steers == number, uploads)
+        view.look_at(self.session.bounds)
+        with self._lock:
+            self._viewers[number] = Viewer(client, view, panel, take)
+            if self._steers is None:
+                self._steers = number
+            self._show_who_steers()
+            self.session.watched = True
+
+    def _left(self, client: viser.ClientHandle) -> None:
+        with self._lock:
+            self._viewers.pop(client.client_id, None)
+            if self._steers == client.client_id:
+                self._steers = next(iter(self._viewers), None)
+                self._show_who_steers()
+            self.session.watched = bool(self._viewers)
+            if self.stop_when_left and not self._viewers:
+                self.session.close()
+
+    def _take_over(self, number: int) -> None:
+        with self._lock:
+            self._steers = number
+            self._show_who_steers()
+
+    def _show_who_steers(self) -> None:
+        for number, viewer in self._viewers.items():
+            viewer.take_over.visible = number != self._steers
+
+    def _send(self) -> None:
+        """Send pictures as they are made, numbers and plots now and then."""
+        refreshed = 0.0
+        while self.session.status.mode != "closed":
+            began = time.perf_counter()
+            with self._lock:
+                viewers = list(self._viewers.values())
+            refresh = began - refreshed > REFRESH
+            refreshed = began if refresh else refreshed
+            for viewer in viewers:
+                picture, scenery = self.session.picture, self.session.scenery
+                if picture is not None and picture.scenery == scenery.number:
+                    wanted = (id(picture), viewer.view.colouring)
+                    if viewer.shown != wanted:
+                        viewer.view.show(picture, scenery)
+                        viewer.shown = wanted
+                if refresh:
+                    viewer.panel.refresh()
+            time.sleep(max(1 / RATE - (time.perf_counter() - began), 0.001))
+
+
+def new_token() -> str:
+    return secrets.token_urlsafe(12)

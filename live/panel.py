@@ -1,0 +1,307 @@
+"""What a viewer can do: buttons, settings, shapes to add, and plots, each for one client."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from viser import uplot
+
+from live.controls import Control, controls
+from live.uploads import MESHES, keep
+from live.view import COLOURINGS
+from sim.settings import Refused
+from workflow.document import SceneError
+
+if TYPE_CHECKING:
+    import viser
+
+    from live.session import Session
+    from live.view import View
+
+MATERIALS = ("rigid", "fluid", "cloth")
+SHAPES = ("box", "sphere", "cylinder", "mesh")
+PAUSE = 0.15
+"""Between two values of a slider that is dragged [s]."""
+SHOWN_ERRORS = 20.0
+"""Seconds for which a message stays."""
+
+
+class Panel:
+    """The controls of one client. `may` says whether it may steer; what it may not is not carried out."""
+
+    def __init__(
+        self, client: viser.ClientHandle, session: Session, view: View, may: Callable[[], bool], uploads: Path
+    ):
+        self.client, self.session, self.view, self.may, self.uploads = client, session, view, may, uploads
+        self._settings: list[viser.GuiFolderHandle] = []
+        self._shown_spec: Any = None
+        self._mesh: Path | None = None
+        self._last_slide: dict[str, float] = {}
+        self._gizmo: viser.TransformControlsHandle | None = None
+        self.status = client.gui.add_markdown("starting")
+        tabs = client.gui.add_tab_group()
+        with tabs.add_tab("Play"):
+            self._add_player()
+            self._add_plots()
+        with tabs.add_tab("Change") as self._change_tab:
+            pass
+        with tabs.add_tab("Add"):
+            self._add_shapes()
+        with tabs.add_tab("Save"):
+            self._add_saving()
+        self.refresh()
+
+    # What is shown
+
+    def refresh(self) -> None:
+        """Bring what is shown up to date."""
+        status, session = self.session.status, self.session
+        lines = [
+            f"**{status.mode}** at {status.time:.3f} s, frame {status.frame}",
+            f"{status.particles:,} particles, {status.steps_per_second:.0f} steps/s, {status.factor:.3g} of real time",
+        ]
+        if status.problem:
+            lines.append(
+                "**"
+                + status.problem.replace("\n", "**  \n", 1)
+                + "  \ngo back to an earlier frame, or change a setting"
+            )
+        self.status.content = "  \n".join(lines)
+        if status.kept[1] > 0:
+            self._frame.max = max(status.kept[1], 1)
+        self._draw_plots()
+        spec = session.spec
+        if spec is not self._shown_spec:
+            self._shown_spec = spec
+            self._show_settings(spec)
+            self._names.options = tuple(spec.body_names()) or ("",)
+
+    def tell(self, text: str, *, title: str = "Refused", colour: str = "red") -> None:
+        """Show a message for a while."""
+        self.client.add_notification(title, text, auto_close_seconds=SHOWN_ERRORS, color=colour)
+
+    # Parts
+
+    def _add_player(self) -> None:
+        gui, session = self.client.gui, self.session
+        self._button("Play", session.play)
+        self._button("Pause", session.pause)
+        self._button("Next frame", session.step)
+        self._frame = gui.add_slider("frame", 0, 1, 1, 0, hint="to go back to")
+        self._button("Go back", lambda: session.go_back(int(self._frame.value)))
+        speed = gui.add_slider("speed", 0.0, 2.0, 0.05, 0.0, hint="of real time at most; 0: as fast as it goes")
+        speed.on_update(lambda event: self._steer(event, lambda: session.set_speed(speed.value or None)))
+        colour = gui.add_dropdown("colour", COLOURINGS, initial_value=self.view.colouring)
+        colour.on_update(lambda event: setattr(self.view, "colouring", colour.value))
+
+    def _add_plots(self) -> None:
+        empty = np.zeros(2)
+        axes = (uplot.Axis(label="s"), uplot.Axis(size=60))
+        self._energy = self.client.gui.add_uplot(
+            (np.arange(2.0), empty, empty, empty),
+            (
+                uplot.Series(label="s"),
+                uplot.Series(label="kinetic", stroke="#d1495b", width=2),
+                uplot.Series(label="potential", stroke="#2e86ab", width=2),
+                uplot.Series(label="elastic", stroke="#6a994e", width=2),
+            ),
+            title="energy above its least [J]",
+            scales={"x": uplot.Scale(time=False)},
+            axes=axes,
+            aspect=1.6,
+        )
+        self._error = self.client.gui.add_uplot(
+            (np.arange(2.0), empty),
+            (uplot.Series(label="s"), uplot.Series(label="mean", stroke="#8f5fbf", width=2)),
+            title="density error [%]",
+            scales={"x": uplot.Scale(time=False)},
+            axes=axes,
+            aspect=1.6,
+        )
+
+    def _draw_plots(self) -> None:
+        course = self.session.course.columns()
+        if len(course["time"]) < 2:
+            return
+        energies = [course[name] - course[name].min() for name in ("kinetic", "potential", "elastic")]
+        self._energy.data = (course["time"], *energies)
+        self._error.data = (course["time"], 100 * course["density_error"])
+
+    def _show_settings(self, spec: Any) -> None:
+        for folder in self._settings:
+            folder.remove()
+        groups: dict[str, list[Control]] = {}
+        for control in controls(spec):
+            groups.setdefault(control.group, []).append(control)
+        self._settings = []
+        with self._change_tab:
+            self._settings = [self._add_group(name, found) for name, found in groups.items()]
+
+    def _add_group(self, name: str, found: list[Control]) -> Any:
+        gui = self.client.gui
+        with gui.add_folder(name, expand_by_default=name == "gravity") as folder:
+            fields = []
+            for control in found:
+                if control.slides:
+                    self._add_sliders(control)
+                elif control.kind == "choice":
+                    field = gui.add_dropdown(control.label, control.choices, initial_value=control.value)
+                    fields.append((control, field, lambda value: value))
+                elif control.kind == "truth":
+                    fields.append((control, gui.add_checkbox(control.label, control.value), lambda value: value))
+                else:
+                    field = gui.add_text(control.label, control.shown(), hint=control.hint)
+                    fields.append((control, field, control.read))
+            if fields:
+                self._button(f"Set {name}", lambda: self._set(fields))
+        return folder
+
+    def _add_sliders(self, control: Control) -> None:
+        low, high = control.slides
+        values = control.value if control.kind == "vector" else [control.value]
+        axes = "xyz" if control.kind == "vector" else [""]
+        sliders = []
+        for axis, value in zip(axes, values, strict=True):
+            inside = min(max(float(value), low), high)
+            label = f"{axis} [{control.unit}]" if axis else control.label
+            step = (high - low) / 2000 if axis else (high - low) / 200
+            sliders.append(self.client.gui.add_slider(label, low, high, step, inside, hint=control.hint))
+
+        def slid(event: viser.GuiEvent) -> None:
+            now = time.monotonic()
+            if now - self._last_slide.get(control.path, 0.0) < PAUSE:
+                time.sleep(PAUSE)
+            self._last_slide[control.path] = now
+            value = [slider.value for slider in sliders]
+            self._steer(event, lambda: self._change({"set": {control.path: value if axes == "xyz" else value[0]}}))
+
+        for slider in sliders:
+            slider.on_update(slid)
+
+    def _set(self, fields: list[tuple[Control, Any, Callable[[Any], Any]]]) -> None:
+        values = {}
+        try:
+            for control, field, read in fields:
+                value = read(field.value)
+                if value != control.value:
+                    values[control.path] = value
+        except SceneError as error:
+            self.tell(str(error))
+            return
+        if values:
+            self._change({"set": values})
+
+    def _add_shapes(self) -> None:
+        gui = self.client.gui
+        self._material = gui.add_dropdown("material", MATERIALS)
+        self._shape = gui.add_dropdown("shape", SHAPES, hint="cloth is a sheet of the size along x and z, or a mesh")
+        self._size = gui.add_vector3("size [m]", (0.1, 0.1, 0.1), min=(1e-3,) * 3, step=0.01)
+        self._density = gui.add_number("density [kg/m³]", 500.0, min=1.0, hint="of a body")
+        self._name = gui.add_text("name", "added1")
+        upload = gui.add_upload_button("Upload a mesh", mime_type=",".join(MESHES))
+        upload.on_upload(lambda event: self._steer(event, lambda: self._uploaded(upload)))
+        place = gui.add_checkbox("place it in the scene", False)
+        place.on_update(lambda event: self._place(place.value))
+        self._button("Add", self._add)
+        gui.add_divider()
+        self._names = gui.add_dropdown("name of", ("",))
+        self._button("Remove", lambda: self._change({"remove": [self._names.value]}))
+
+    def _place(self, shown: bool) -> None:
+        """Show what says where the next shape comes."""
+        if self._gizmo is None:
+            picture = self.session.picture
+            at = np.mean(self.session.bounds, axis=0) if picture is not None else np.zeros(3)
+            self._gizmo = self.client.scene.add_transform_controls("/place", scale=0.2, position=at)
+        self._gizmo.visible = shown
+
+    def _add(self) -> None:
+        material, name = self._material.value, self._name.value
+        position = [0.0, 0.5, 0.0] if self._gizmo is None else [round(float(x), 6) for x in self._gizmo.position]
+        body: dict[str, Any] = {"shape": self._shape_wanted(material), "position": position}
+        if self._gizmo is not None and abs(self._gizmo.wxyz[0]) < 1 - 1e-9:
+            body["rotation"] = _turns(self._gizmo.wxyz)
+        if material == "rigid":
+            body |= {"motion": "dynamic", "density": float(self._density.value)}
+        self._change({"add": {material: {name: body}}})
+        number = re.search(r"\d*$", name).group()
+        self._name.value = f"{name.removesuffix(number)}{int(number or 1) + 1}"
+
+    def _shape_wanted(self, material: str) -> dict[str, Any]:
+        x, y, z = (float(value) for value in self._size.value)
+        shape = self._shape.value
+        if shape == "mesh":
+            return {"type": "mesh", "file": str(self._mesh) if self._mesh else "none"}
+        if material == "cloth":
+            return {"type": "sheet", "size": [x, z]}
+        if shape == "sphere":
+            return {"type": "sphere", "radius": x / 2}
+        if shape == "cylinder":
+            return {"type": "cylinder", "radius": x / 2, "height": y}
+        return {"type": "box", "size": [x, y, z]}
+
+    def _uploaded(self, upload: Any) -> None:
+        """Keep a mesh that was sent, if it is one."""
+        file = upload.value
+        try:
+            self._mesh = keep(file.name, file.content, self.uploads)
+        except Refused as refused:
+            self.tell(str(refused))
+        else:
+            self._shape.value = "mesh"
+            self.tell(f"{self._mesh}: choose where it comes, and add it", title="Uploaded", colour="green")
+        finally:
+            upload.value = type(file)("", b"")
+
+    def _add_saving(self) -> None:
+        scene = self.session.script.scene
+        name = self.client.gui.add_text("name", f"{scene.path.stem}_live")
+        self._button("Save as scene", lambda: self._save(name.value))
+
+    def _save(self, name: str) -> None:
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
+            self.tell(f"'{name}' can not be the name of a scene: use letters, digits, - and _")
+            return
+        path = self.session.script.scene.path.with_name(f"{name}.yaml")
+        if path.exists():
+            self.tell(f"{path} is there already: choose another name")
+            return
+        self.session.save(
+            path,
+            lambda scene: self.tell(
+                f"snakemake --cores all renders/{scene.name}", title=f"Saved {path}", colour="green"
+            ),
+            self.tell,
+        )
+
+    # What happens
+
+    def _change(self, data: dict[str, Any]) -> None:
+        self.session.change(data, self.tell)
+
+    def _button(self, label: str, action: Callable[[], None]) -> None:
+        button = self.client.gui.add_button(label)
+        button.on_click(lambda event: self._steer(event, action))
+
+    def _steer(self, event: viser.GuiEvent, action: Callable[[], None]) -> None:
+        if event.client_id is None:
+            return
+        if self.may():
+            action()
+        else:
+            self.tell("somebody else steers this simulation: press Take over first")
+
+
+def _turns(quaternion: np.ndarray) -> list[dict[str, Any]]:
+    """The turn that a unit quaternion w, x, y, z stands for, as in a scene file."""
+    from scipy.spatial.transform import Rotation
+
+    w, x, y, z = quaternion
+    turn = Rotation.from_quat([x, y, z, w]).as_rotvec(degrees=True)
+    angle = float(np.linalg.norm(turn))
+    return [{"axis": [round(float(part), 6) for part in turn / angle], "angle": round(angle, 4)}]

@@ -1,0 +1,46 @@
+"""Plays a scene to browsers until it is ended."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+from typing import Any
+
+from live.page import LOOPBACK, Page, new_token
+from live.session import Session
+from workflow.scene import Scene
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def serve(scene: Scene, options: argparse.Namespace) -> int:
+    """Play a scene in this thread until a signal or the page ends it; returns 0. Raises Refused."""
+    session = Session(scene, threads=options.threads, arch=options.arch, history=int(options.history * 1e9))
+    token = None if options.host in LOOPBACK else new_token()
+
+    def ended(number: int, frame: Any) -> None:
+        session.close()
+
+    for number in SIGNALS:
+        signal.signal(number, ended)
+    opener = threading.Thread(target=_open, args=(session, options, token), daemon=True)
+    opener.start()
+    if options.play:
+        session.play()
+    session.run()
+    return 0
+
+
+def _open(session: Session, options: argparse.Namespace, token: str | None) -> None:
+    """Open the page once there is something to see."""
+    session.ready.wait()
+    page = Page(session, host=options.host, port=options.port, token=token, stop_when_left=options.stop_when_left)
+    if token is not None:
+        print(
+            f"warning: everybody who reaches {options.host} can see this page, but only who knows the token gets in\n"
+            f"token: {token}",
+            file=sys.stderr,
+        )
+    print(f"live: http://{options.host}:{page.port} (Ctrl-C ends it)", file=sys.stderr, flush=True)

@@ -1,0 +1,39 @@
+"""Meshes that a viewer sends: kept beside the scene if they are meshes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from sim.geometry.shapes import place
+from sim.geometry.spec import MeshFile
+from sim.rigid.spec import RigidBody
+from sim.settings import Refused
+
+MESHES = (".stl", ".obj", ".ply", ".off")
+MOST_BYTES = 50_000_000
+
+
+def keep(name: str, content: bytes, folder: Path) -> Path:
+    """Write a mesh into a folder; its path from the folder above. Raises Refused for what is no mesh."""
+    suffix = Path(name).suffix.lower()
+    if suffix not in MESHES:
+        raise Refused(f"'{name}' is no mesh", remedy=f"send a file that ends in {', '.join(MESHES)}")
+    if len(content) > MOST_BYTES:
+        raise Refused(
+            f"'{name}' has {len(content) / 1e6:.0f} MB, at most {MOST_BYTES / 1e6:.0f} are taken",
+            remedy="send a coarser mesh",
+        )
+    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(name).stem)[:40] or "mesh"
+    folder.mkdir(parents=True, exist_ok=True)
+    file = next(
+        path for path in (folder / f"{stem}{number or ''}{suffix}" for number in range(10_000)) if not path.exists()
+    )
+    file.write_bytes(content)
+    body = RigidBody(shape=MeshFile(type="mesh", file=file.name))
+    try:
+        place(body.shape, body, folder)
+    except Refused:
+        file.unlink()
+        raise
+    return Path(folder.name, file.name)

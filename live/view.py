@@ -1,0 +1,116 @@
+"""One viewer's picture of the scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from matplotlib import colormaps
+
+if TYPE_CHECKING:
+    import viser
+
+    from live.picture import Picture, Scenery
+
+Colouring = Literal["speed", "density error", "water"]
+COLOURINGS: tuple[Colouring, ...] = ("speed", "density error", "water")
+WATER, CONTAINER, CLOTH = (64, 140, 200), (150, 160, 170), (196, 120, 84)
+BODIES = [(226, 98, 74), (240, 178, 62), (110, 168, 108), (146, 120, 190), (214, 140, 160), (120, 130, 140)]
+DENSE = 0.01
+"""The compression that the brightest colour stands for."""
+_COLOURS = {
+    name: (255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]).astype(np.uint8) for name in ("viridis", "magma")
+}
+
+
+class View:
+    """Shows pictures to one client, and sends of each only what is new."""
+
+    def __init__(self, client: viser.ClientHandle):
+        self.client = client
+        self.colouring: Colouring = "speed"
+        self._scenery = -1
+        self._particles: viser.PointCloudHandle | None = None
+        self._solids: dict[str, viser.MeshHandle] = {}
+        self._cloths: dict[str, viser.MeshHandle] = {}
+        client.scene.set_up_direction("+y")
+        client.scene.configure_default_lights(True)
+
+    def look_at(self, bounds: np.ndarray) -> None:
+        """Put the camera so that a box [m], shape [2, 3], is seen."""
+        middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
+        self.client.camera.look_at = middle
+        self.client.camera.position = middle + size * np.array([0.55, 0.4, 0.85])
+
+    def show(self, picture: Picture, scenery: Scenery) -> None:
+        with self.client.atomic():
+            if scenery.number != self._scenery:
+                self._build(scenery)
+            self._show_particles(picture)
+            for name, pose in picture.poses.items():
+                if name in self._solids:
+                    self._solids[name].position = pose.position
+                    self._solids[name].wxyz = pose.quaternion
+            for name, points in picture.cloths.items():
+                if name in self._cloths:
+                    self._cloths[name].vertices = points.astype(np.float32)
+        self.client.flush()
+
+    def colours(self, picture: Picture) -> np.ndarray:
+        """Of particles, shape [n, 3], red, green, blue from 0 to 255."""
+        if self.colouring == "water":
+            return np.tile(np.uint8(WATER), (len(picture.points), 1))
+        if self.colouring == "speed":
+            fastest = max(float(np.quantile(picture.speed, 0.99)) if len(picture.speed) else 0.0, 0.5)
+            return _COLOURS["viridis"][_index(picture.speed / fastest)]
+        return _COLOURS["magma"][_index(np.abs(picture.compression) / DENSE)]
+
+    def _show_particles(self, picture: Picture) -> None:
+        if not len(picture.points):
+            if self._particles is not None:
+                self._particles.visible = False
+            return
+        if self._particles is None:
+            self._particles = self.client.scene.add_point_cloud(
+                "/fluid",
+                picture.points,
+                self.colours(picture),
+                point_size=0.9 * picture.spacing,
+                point_shape="circle",
+                precision="float32",
+                position=picture.origin,
+            )
+            return
+        self._particles.visible = True
+        self._particles.points = picture.points
+        self._particles.colors = self.colours(picture)
+
+    def _build(self, scenery: Scenery) -> None:
+        for handle in [*self._solids.values(), *self._cloths.values()]:
+            handle.remove()
+        self._solids, self._cloths = {}, {}
+        for number, (name, solid) in enumerate(scenery.solids.items()):
+            colour = CONTAINER if solid.container else BODIES[number % len(BODIES)]
+            self._solids[name] = self.client.scene.add_mesh_simple(
+                f"/solids/{name}",
+                solid.points.astype(np.float32),
+                solid.triangles.astype(np.uint32),
+                color=colour,
+                opacity=0.12 if solid.container else None,
+                flat_shading=solid.container,
+                side="double",
+                cast_shadow=not solid.container,
+            )
+        for name, triangles in scenery.cloths.items():
+            self._cloths[name] = self.client.scene.add_mesh_simple(
+                f"/cloths/{name}",
+                np.zeros((int(triangles.max()) + 1, 3), np.float32),
+                triangles.astype(np.uint32),
+                color=CLOTH,
+                side="double",
+            )
+        self._scenery = scenery.number
+
+
+def _index(share: np.ndarray) -> np.ndarray:
+    return (255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)
