@@ -79,7 +79,7 @@ class Panel:
         if spec is not self._shown_spec:
             self._shown_spec = spec
             self._show_settings(spec)
-            self._names.options = tuple(spec.body_names()) or ("",)
+            self._names.options = tuple(reversed(spec.body_names())) or ("",)
 
     def tell(self, text: str, *, title: str = "Refused", colour: str = "red") -> None:
         """Show a message for a while."""
@@ -254,7 +254,7 @@ class Panel:
             self.tell(str(refused))
         else:
             self._shape.value = "mesh"
-            self.tell(f"{self._mesh}: choose where it comes, and add it", title="Uploaded", colour="green")
+            self.tell(f"{self._mesh}: choose where it comes, and add it", title="Uploaded", colour="teal")
         finally:
             upload.value = type(file)("", b"")
 
@@ -274,7 +274,7 @@ class Panel:
         self.session.save(
             path,
             lambda scene: self.tell(
-                f"snakemake --cores all renders/{scene.name}", title=f"Saved {path}", colour="green"
+                f"snakemake --cores all renders/{scene.name}", title=f"Saved {path}", colour="teal"
             ),
             self.tell,
         )

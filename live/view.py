@@ -12,14 +12,19 @@ if TYPE_CHECKING:
 
     from live.picture import Picture, Scenery
 
-Colouring = Literal["speed", "density error", "water"]
-COLOURINGS: tuple[Colouring, ...] = ("speed", "density error", "water")
-WATER, CONTAINER, CLOTH = (64, 140, 200), (150, 160, 170), (196, 120, 84)
+Colouring = Literal["water", "speed", "density error"]
+COLOURINGS: tuple[Colouring, ...] = ("water", "speed", "density error")
+CONTAINER, CLOTH = (150, 160, 170), (196, 120, 84)
 BODIES = [(226, 98, 74), (240, 178, 62), (110, 168, 108), (146, 120, 190), (214, 140, 160), (120, 130, 140)]
+SLOW = 0.5
+"""Where nothing is faster, this speed [m/s] has the brightest colour."""
 DENSE = 0.01
 """The compression that the brightest colour stands for."""
+MAPS = {"water": ("Blues_r", 0.15, 0.9), "speed": ("viridis", 0, 1), "density error": ("magma", 0, 1)}
+"""Colour maps of matplotlib, and which part of each."""
 _COLOURS = {
-    name: (255 * colormaps[name](np.linspace(0, 1, 256))[:, :3]).astype(np.uint8) for name in ("viridis", "magma")
+    name: (255 * colormaps[colours](np.linspace(low, high, 256))[:, :3]).astype(np.uint8)
+    for name, (colours, low, high) in MAPS.items()
 }
 
 
@@ -28,7 +33,7 @@ class View:
 
     def __init__(self, client: viser.ClientHandle):
         self.client = client
-        self.colouring: Colouring = "speed"
+        self.colouring: Colouring = "water"
         self._scenery = -1
         self._particles: viser.PointCloudHandle | None = None
         self._solids: dict[str, viser.MeshHandle] = {}
@@ -58,12 +63,12 @@ class View:
 
     def colours(self, picture: Picture) -> np.ndarray:
         """Of particles, shape [n, 3], red, green, blue from 0 to 255."""
-        if self.colouring == "water":
-            return np.tile(np.uint8(WATER), (len(picture.points), 1))
-        if self.colouring == "speed":
-            fastest = max(float(np.quantile(picture.speed, 0.99)) if len(picture.speed) else 0.0, 0.5)
-            return _COLOURS["viridis"][_index(picture.speed / fastest)]
-        return _COLOURS["magma"][_index(np.abs(picture.compression) / DENSE)]
+        if self.colouring == "density error":
+            share = np.abs(picture.compression) / DENSE
+        else:
+            fastest = float(np.quantile(picture.speed, 0.99)) if len(picture.speed) else 0.0
+            share = picture.speed / max(fastest, SLOW)
+        return _COLOURS[self.colouring][(255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)]
 
     def _show_particles(self, picture: Picture) -> None:
         if not len(picture.points):
@@ -110,7 +115,3 @@ class View:
                 side="double",
             )
         self._scenery = scenery.number
-
-
-def _index(share: np.ndarray) -> np.ndarray:
-    return (255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)

@@ -2,76 +2,23 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
-import numpy as np
 import pytest
 
-from live.session import Session
 from sim.failure import Fault
+from tests.live.stage import SCENE, Stage, bytes_in
 from workflow.document import SceneError
 from workflow.scene import load
 
-SCENE = """\
-duration: 1
-fps: 50
-containers:
-  tank: {type: box, size: [0.4, 0.8, 0.4]}
-fluid:
-  solver: dfsph
-  particle_radius: 10 mm
-  bodies:
-    water: {shape: {type: box, size: [0.4, 0.3, 0.4]}, position: [0, 0.15, 0]}
-rigid:
-  bodies:
-    box: {shape: {type: box, size: [0.1, 0.1, 0.1]}, position: [0, 0.4, 0], density: 300, motion: dynamic}
-"""
 BOX = {"shape": {"type": "box", "size": [0.08, 0.08, 0.08]}, "density": 300, "motion": "dynamic"}
-
-
-class Stage:
-    """A session in a thread of its own."""
-
-    def __init__(self, path, **options):
-        self.session = Session(load(path), threads=2, arch="cpu", **options)
-        self.session.watched = True
-        self.problems: list[str] = []
-        self.thread = threading.Thread(target=self.session.run, daemon=True)
-        self.thread.start()
-        assert self.session.ready.wait(120)
-
-    def change(self, **data) -> None:
-        self.session.change(data, self.problems.append)
-
-    def until(self, reached, seconds=40.0) -> None:
-        end = time.monotonic() + seconds
-        while not reached(self.session):
-            assert time.monotonic() < end and self.thread.is_alive(), (self.session.status, self.problems)
-            time.sleep(0.005)
-
-    def step(self) -> None:
-        frame = self.session.status.frame
-        self.session.step()
-        self.until(lambda session: session.status.frame > frame and session.status.mode == "paused")
 
 
 @pytest.fixture
 def stage(tmp_path):
-    path = tmp_path / "scenes" / "pool.yaml"
-    path.parent.mkdir()
-    path.write_text(SCENE)
-    stage = Stage(path)
+    stage = Stage(tmp_path)
     yield stage
-    stage.session.close()
-    stage.thread.join(30)
-    assert not stage.thread.is_alive()
-
-
-def bytes_of(session: Session) -> bytes:
-    state = session._simulation.good
-    order = np.argsort(state.fluid.tag[:, 0])
-    return state.fluid.position[order].tobytes() + state.rigid.position.tobytes()
+    stage.close()
 
 
 def test_a_saved_scene_gives_the_same_bytes(stage, simulate, tmp_path):
@@ -97,10 +44,7 @@ def test_a_saved_scene_gives_the_same_bytes(stage, simulate, tmp_path):
     scene = saved[0]
     assert scene.last_frame == 8 and len(scene.simulation.events) == 5
     out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), 8, threads=2)
-    with np.load(out / "state_00008.npz") as state:
-        order = np.argsort(state["fluid.tag"][:, 0])
-        again = state["fluid.position"][order].tobytes() + state["rigid.position"].tobytes()
-    assert again == bytes_of(session)
+    assert bytes_in(out / "state_00008.npz") == stage.bytes()
 
 
 def test_bad_values_are_refused_with_the_message_of_the_file_and_nothing_changes(stage):
