@@ -16,8 +16,7 @@ from workflow.document import parse
 
 NOT_HERE = frozenset({"events", "probes", "precision", *FIXED})
 PLACED = frozenset(
-    ("shape", "position", "rotation", "scale", "keyframes", "velocity", "angular_velocity", "spacing", "pins")
-    + ("type", "size", "open", "motion", "mass")
+    "shape position rotation scale keyframes velocity angular_velocity spacing pins type size open motion mass".split()
 )
 """Of bodies: where they are and what they are is changed by other means, or not at all."""
 METHODS = {"fluid": ("solver", ("wcsph", "pcisph", "iisph", "dfsph"))}
@@ -61,6 +60,17 @@ class Control:
             return None
         fine = 0 < abs(self.value) < (self.most - self.least) / NOTCHES
         return None if fine else (self.least, self.most)
+
+    @property
+    def notch(self) -> float:
+        """The least move of a slider of it."""
+        low, high = self.slides
+        return (high - low) / (10 * NOTCHES if self.kind == "vector" else NOTCHES)
+
+    @property
+    def form(self) -> tuple[Any, ...]:
+        """What its field is made by, in which it may have any value."""
+        return (self.kind, self.choices, self.slides)
 
     @property
     def hint(self) -> str:

@@ -34,6 +34,7 @@ class Viewer:
     take_over: viser.GuiButtonHandle
     shown: object = None
     """What it was sent last."""
+    refreshed: float = 0.0
 
 
 class Page:
@@ -113,24 +114,26 @@ class Page:
             viewer.take_over.visible = number != self._steers
 
     def _send(self) -> None:
-        """Send pictures as they are made, numbers and plots now and then."""
-        refreshed = 0.0
+        """Send pictures as they are made, numbers and plots now and then, to those who are done with the last."""
         while self.session.status.mode != "closed":
             began = time.perf_counter()
             with self._lock:
                 viewers = list(self._viewers.values())
-            refresh = began - refreshed > REFRESH
-            refreshed = began if refresh else refreshed
             for viewer in viewers:
-                picture, scenery = self.session.picture, self.session.scenery
-                if picture is not None and picture.scenery == scenery.number:
-                    wanted = (id(picture), viewer.view.colouring)
-                    if viewer.shown != wanted:
-                        viewer.view.show(picture, scenery)
-                        viewer.shown = wanted
-                if refresh:
-                    viewer.panel.refresh()
+                if viewer.view.ready:
+                    self._send_to(viewer)
             time.sleep(max(1 / RATE - (time.perf_counter() - began), 0.001))
+
+    def _send_to(self, viewer: Viewer) -> None:
+        picture, scenery, now = self.session.picture, self.session.scenery, time.perf_counter()
+        if picture is not None and picture.scenery == scenery.number:
+            wanted = (id(picture), viewer.view.colouring)
+            if viewer.shown != wanted:
+                viewer.view.show(picture, scenery)
+                viewer.shown = wanted
+        if now - viewer.refreshed > REFRESH:
+            viewer.refreshed = now
+            viewer.panel.refresh()
 
 
 def new_token() -> str:

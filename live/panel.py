@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from viser import uplot
 
-from live.controls import Control, controls
+from live.changes import Changes
 from live.uploads import MESHES, keep
 from live.view import COLOURINGS
 from sim.settings import Refused
-from workflow.document import SceneError
 
 if TYPE_CHECKING:
     import viser
@@ -25,8 +24,10 @@ if TYPE_CHECKING:
 
 MATERIALS = ("rigid", "fluid", "cloth")
 SHAPES = ("box", "sphere", "cylinder", "mesh")
-PAUSE = 0.15
-"""Between two values of a slider that is dragged [s]."""
+DRAWN_EVERY = 1.0
+"""Between two drawings of a plot [s]."""
+POINTS = 300
+"""Of a plot."""
 SHOWN_ERRORS = 20.0
 """Seconds for which a message stays."""
 
@@ -38,18 +39,16 @@ class Panel:
         self, client: viser.ClientHandle, session: Session, view: View, may: Callable[[], bool], uploads: Path
     ):
         self.client, self.session, self.view, self.may, self.uploads = client, session, view, may, uploads
-        self._settings: list[viser.GuiFolderHandle] = []
         self._shown_spec: Any = None
         self._mesh: Path | None = None
-        self._last_slide: dict[str, float] = {}
+        self._plotted, self._plotted_at = 0.0, 0.0
         self._gizmo: viser.TransformControlsHandle | None = None
         self.status = client.gui.add_markdown("starting")
         tabs = client.gui.add_tab_group()
         with tabs.add_tab("Play"):
             self._add_player()
             self._add_plots()
-        with tabs.add_tab("Change") as self._change_tab:
-            pass
+        self._changes = Changes(client.gui, tabs.add_tab("Change"), self._steer, self._change, self.tell)
         with tabs.add_tab("Add"):
             self._add_shapes()
         with tabs.add_tab("Save"):
@@ -65,21 +64,27 @@ class Panel:
             f"**{status.mode}** at {status.time:.3f} s, frame {status.frame}",
             f"{status.particles:,} particles, {status.steps_per_second:.0f} steps/s, {status.factor:.3g} of real time",
         ]
+        if session.waiting:
+            lines.append(f"{session.waiting} changes wait for the next steps")
         if status.problem:
             lines.append(
                 "**"
                 + status.problem.replace("\n", "**  \n", 1)
                 + "  \ngo back to an earlier frame, or change a setting"
             )
-        self.status.content = "  \n".join(lines)
+        content = "  \n".join(lines)
+        if content != self.status.content:
+            self.status.content = content
         if status.kept[1] > 0:
             self._frame.max = max(status.kept[1], 1)
         self._draw_plots()
         spec = session.spec
+        self._changes.show(spec)
         if spec is not self._shown_spec:
             self._shown_spec = spec
-            self._show_settings(spec)
-            self._names.options = tuple(reversed(spec.body_names())) or ("",)
+            names = tuple(reversed(spec.body_names())) or ("",)
+            if names != self._names.options:
+                self._names.options, self._names.value = names, names[0]
 
     def tell(self, text: str, *, title: str = "Refused", colour: str = "red") -> None:
         """Show a message for a while."""
@@ -126,75 +131,14 @@ class Panel:
 
     def _draw_plots(self) -> None:
         course = self.session.course.columns()
-        if len(course["time"]) < 2:
+        times, now = course["time"], time.monotonic()
+        if len(times) < 2 or times[-1] == self._plotted or now < self._plotted_at + DRAWN_EVERY:
             return
+        self._plotted, self._plotted_at = times[-1], now
+        course = {name: column[:: -(-len(times) // POINTS)] for name, column in course.items()}
         energies = [course[name] - course[name].min() for name in ("kinetic", "potential", "elastic")]
         self._energy.data = (course["time"], *energies)
         self._error.data = (course["time"], 100 * course["density_error"])
-
-    def _show_settings(self, spec: Any) -> None:
-        for folder in self._settings:
-            folder.remove()
-        groups: dict[str, list[Control]] = {}
-        for control in controls(spec):
-            groups.setdefault(control.group, []).append(control)
-        self._settings = []
-        with self._change_tab:
-            self._settings = [self._add_group(name, found) for name, found in groups.items()]
-
-    def _add_group(self, name: str, found: list[Control]) -> Any:
-        gui = self.client.gui
-        with gui.add_folder(name, expand_by_default=name == "gravity") as folder:
-            fields = []
-            for control in found:
-                if control.slides:
-                    self._add_sliders(control)
-                elif control.kind == "choice":
-                    field = gui.add_dropdown(control.label, control.choices, initial_value=control.value)
-                    fields.append((control, field, lambda value: value))
-                elif control.kind == "truth":
-                    fields.append((control, gui.add_checkbox(control.label, control.value), lambda value: value))
-                else:
-                    field = gui.add_text(control.label, control.shown(), hint=control.hint)
-                    fields.append((control, field, control.read))
-            if fields:
-                self._button(f"Set {name}", lambda: self._set(fields))
-        return folder
-
-    def _add_sliders(self, control: Control) -> None:
-        low, high = control.slides
-        values = control.value if control.kind == "vector" else [control.value]
-        axes = "xyz" if control.kind == "vector" else [""]
-        sliders = []
-        for axis, value in zip(axes, values, strict=True):
-            inside = min(max(float(value), low), high)
-            label = f"{axis} [{control.unit}]" if axis else control.label
-            step = (high - low) / 2000 if axis else (high - low) / 200
-            sliders.append(self.client.gui.add_slider(label, low, high, step, inside, hint=control.hint))
-
-        def slid(event: viser.GuiEvent) -> None:
-            now = time.monotonic()
-            if now - self._last_slide.get(control.path, 0.0) < PAUSE:
-                time.sleep(PAUSE)
-            self._last_slide[control.path] = now
-            value = [slider.value for slider in sliders]
-            self._steer(event, lambda: self._change({"set": {control.path: value if axes == "xyz" else value[0]}}))
-
-        for slider in sliders:
-            slider.on_update(slid)
-
-    def _set(self, fields: list[tuple[Control, Any, Callable[[Any], Any]]]) -> None:
-        values = {}
-        try:
-            for control, field, read in fields:
-                value = read(field.value)
-                if value != control.value:
-                    values[control.path] = value
-        except SceneError as error:
-            self.tell(str(error))
-            return
-        if values:
-            self._change({"set": values})
 
     def _add_shapes(self) -> None:
         gui = self.client.gui

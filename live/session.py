@@ -137,6 +137,11 @@ class Session:
         """Box around all that happens [m], shape [2, 3]."""
         return self._simulation.world.bounds
 
+    @property
+    def waiting(self) -> int:
+        """How many changes happen with the next steps."""
+        return sum(event.at > self._applied_until + TIME_TOLERANCE for event in tuple(self._played))
+
     # The thread of the simulation
 
     def run(self) -> None:
@@ -288,7 +293,7 @@ class Session:
         run.resume(run.good)
         self.course.drop()
         self._applied_until = run.clock.time - 2 * TIME_TOLERANCE
-        self._let_pass = any(abs(event.at - run.clock.time) < TIME_TOLERANCE for event in run.spec.events)
+        self._let_pass = self._happens_now
         self._look_around()
         self._start_pace()
 
@@ -310,6 +315,12 @@ class Session:
         self._refusals.clear()
         if self._single:
             self._pause()
+            self._let_pass = self._happens_now
+
+    @property
+    def _happens_now(self) -> bool:
+        run = self._simulation
+        return any(abs(event.at - run.clock.time) < TIME_TOLERANCE for event in run.spec.events)
 
     def _look_around(self) -> None:
         self._seen = self._simulation.world

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+import time
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
@@ -22,6 +23,10 @@ DENSE = 0.01
 """The compression that the brightest colour stands for."""
 MAPS = {"water": ("Blues_r", 0.15, 0.9), "speed": ("viridis", 0, 1), "density error": ("magma", 0, 1)}
 """Colour maps of matplotlib, and which part of each."""
+NUDGE = 4e-5
+"""Share by which the angle of view changes with each picture: unseen, but the browser answers it."""
+PATIENCE = 2.0
+"""After which a picture is sent though the last one was not answered [s]."""
 _COLOURS = {
     name: (255 * colormaps[colours](np.linspace(low, high, 256))[:, :3]).astype(np.uint8)
     for name, (colours, low, high) in MAPS.items()
@@ -35,6 +40,9 @@ class View:
         self.client = client
         self.colouring: Colouring = "water"
         self._scenery = -1
+        self._sent, self._answered = 0.0, True
+        self._angle, self._nudged = client.camera.fov, False
+        client.camera.on_update(self._answer)
         self._particles: viser.PointCloudHandle | None = None
         self._solids: dict[str, viser.MeshHandle] = {}
         self._cloths: dict[str, viser.MeshHandle] = {}
@@ -46,6 +54,14 @@ class View:
         middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
         self.client.camera.look_at = middle
         self.client.camera.position = middle + size * np.array([0.55, 0.4, 0.85])
+
+    @property
+    def ready(self) -> bool:
+        """Whether the browser is done with the last picture: a slow one is sent fewer, and none has to wait."""
+        return self._answered or time.monotonic() > self._sent + PATIENCE
+
+    def _answer(self, camera: Any) -> None:
+        self._answered = True
 
     def show(self, picture: Picture, scenery: Scenery) -> None:
         with self.client.atomic():
@@ -59,7 +75,13 @@ class View:
             for name, points in picture.cloths.items():
                 if name in self._cloths:
                     self._cloths[name].vertices = points.astype(np.float32)
+            self._ask()
         self.client.flush()
+
+    def _ask(self) -> None:
+        """Have the browser answer once it has come to this message."""
+        self._sent, self._answered, self._nudged = time.monotonic(), False, not self._nudged
+        self.client.camera.fov = self._angle * (1 + NUDGE * self._nudged)
 
     def colours(self, picture: Picture) -> np.ndarray:
         """Of particles, shape [n, 3], red, green, blue from 0 to 255."""
