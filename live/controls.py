@@ -16,7 +16,10 @@ from workflow.document import parse
 
 NOT_HERE = frozenset({"events", "probes", "precision", *FIXED})
 PLACED = frozenset(
-    "shape position rotation scale keyframes velocity angular_velocity spacing pins type size open motion mass".split()
+    [
+        *("shape", "position", "rotation", "scale", "keyframes", "velocity", "angular_velocity", "pulls"),
+        *("spacing", "pins", "type", "size", "open", "motion", "mass"),
+    ]
 )
 """Of bodies: where they are and what they are is changed by other means, or not at all."""
 METHODS = {"fluid": ("solver", ("wcsph", "pcisph", "iisph", "dfsph"))}

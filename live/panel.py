@@ -12,6 +12,7 @@ import numpy as np
 from viser import uplot
 
 from live.changes import Changes
+from live.handling import Handling
 from live.uploads import MESHES, keep
 from live.view import COLOURINGS
 from sim.settings import Refused
@@ -19,7 +20,7 @@ from sim.settings import Refused
 if TYPE_CHECKING:
     import viser
 
-    from live.session import Session
+    from live.session import Change, Session
     from live.view import View
 
 MATERIALS = ("rigid", "fluid", "cloth")
@@ -49,6 +50,8 @@ class Panel:
             self._add_player()
             self._add_plots()
         self._changes = Changes(client.gui, tabs.add_tab("Change"), self._steer, self._change, self.tell)
+        with tabs.add_tab("Handle"):
+            self._handling = Handling(client, session, self._steer, self._change)
         with tabs.add_tab("Add"):
             self._add_shapes()
         with tabs.add_tab("Save"):
@@ -82,6 +85,7 @@ class Panel:
         self._changes.show(spec)
         if spec is not self._shown_spec:
             self._shown_spec = spec
+            self._handling.show(spec)
             names = tuple(reversed(spec.body_names())) or ("",)
             if names != self._names.options:
                 self._names.options, self._names.value = names, names[0]
@@ -225,7 +229,7 @@ class Panel:
 
     # What happens
 
-    def _change(self, data: dict[str, Any]) -> None:
+    def _change(self, data: Change) -> None:
         self.session.change(data, self.tell)
 
     def _button(self, label: str, action: Callable[[], None]) -> None:

@@ -39,6 +39,8 @@ HISTORY = 1 << 30
 
 Answer = Callable[[str], None]
 """Told what was wrong; not called where nothing was."""
+Change = dict[str, Any] | Callable[[float], dict[str, Any]]
+"""An event as a scene file describes it, without its time; or what makes one of its time [s]."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +118,8 @@ class Session:
         """Simulated over wall-clock time at most; none: as fast as it goes."""
         self._wait_for(lambda: self._set_speed(factor))
 
-    def change(self, data: dict[str, Any], refused: Answer) -> None:
-        """Let the event happen that `data` describes as in a scene file, without its time."""
+    def change(self, data: Change, refused: Answer) -> None:
+        """Let an event happen as soon as it can."""
         self._wait_for(lambda: self._change(data, refused), refused)
 
     def save(self, path: Path, saved: Callable[[Scene], None], refused: Answer) -> None:
@@ -249,13 +251,13 @@ class Session:
         kept = tuple(event for event in run.spec.events if id(event) not in gone)
         run.spec = run.spec.model_copy(update={"events": kept})
 
-    def _change(self, data: dict[str, Any], refused: Answer) -> None:
+    def _change(self, data: Change, refused: Answer) -> None:
         run = self._simulation
         applied = run.untouched and self._applied_until > run.clock.time - TIME_TOLERANCE
         redone = applied and self._paused
         at = run.clock.frame / run.spec.fps if redone else run.earliest()
         try:
-            event = self.script.event(at, data, self._upcoming(), run.spec.body_names())
+            event = self.script.event(at, data(at) if callable(data) else data, self._upcoming(), run.spec.body_names())
         except SceneError as error:
             refused(str(error))
             return

@@ -31,6 +31,7 @@ def assemble(spec: SimulationSpec, obstacles: Obstacles) -> list[Body]:
                 angular_velocity=np.array(surface.angular_velocity),
                 force=np.array(surface.force),
                 torque=np.array(surface.torque),
+                pulls=surface.pulls,
             )
         )
     for wall in obstacles.walls:

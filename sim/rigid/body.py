@@ -8,6 +8,7 @@ import numpy as np
 
 from sim.geometry.mass import MassProperties
 from sim.rigid.shapes import ContactShape
+from sim.rigid.spec import Pull
 
 
 @dataclass
@@ -59,6 +60,7 @@ class Body:
     """That acts on its centre of mass all the time [N]."""
     torque: np.ndarray = field(default_factory=lambda: np.zeros(3))
     """[N m]"""
+    pulls: tuple[Pull, ...] = ()
 
     @property
     def pivot(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
 from sim.rigid.fields import PLANE
 from sim.rigid.narrow_phase import find_contacts
+from sim.rigid.pulls import pulled
 from sim.rigid.spec import Rigid
 from sim.rigid.surfaces import Surfaces
 from sim.rigid.tables import ContactTables, integers, numbers, shapes
@@ -84,6 +85,7 @@ class RigidPart:
         self._mass = np.where(self.free, self.mass, 1.0)
         self._force = np.array([body.force for body in self.bodies], dtype=np.float64)
         self._torque = np.array([body.torque for body in self.bodies], dtype=np.float64)
+        self._drawn = [k for k, body in enumerate(self.bodies) if body.pulls]
 
     def _enclose(self) -> None:
         """Boxes around the solids in their own axes, and the planes."""
@@ -178,6 +180,10 @@ class RigidPart:
         """Forces, contacts, and where they take bodies; what bounces and overlaps is left to do."""
         self.told = dict.fromkeys(STATISTICS, 0)
         self._steer(dt, movements)
+        for k in self._drawn:
+            body = self.bodies[k]
+            coming = self.velocity[k] + dt * (self.gravity + body.force / self.mass[k])
+            self._force[k] = body.force + self.mass[k] * pulled(body.pulls, self.position[k], coming, dt)
         free_motion.accelerate(
             self.count,
             dt,

@@ -61,6 +61,15 @@ class Contact(Settings):
         return self
 
 
+class Pull(Settings):
+    """A critically damped spring on the centre of mass of a dynamic body, as a hand that leads it."""
+
+    to: Position
+    """Where its other end is [m]."""
+    period: Annotated[PositiveDuration, Ge(0.01), Le(100)] = 0.2
+    """Of the spring with the body's mass, if nothing damped it [s]."""
+
+
 class RigidBody(Placement, Contact):
     """A body that keeps its shape."""
 
@@ -82,6 +91,8 @@ class RigidBody(Placement, Contact):
     """That acts on the centre of mass of a dynamic body all the time; events may change it [N]."""
     torque: Torque = (0.0, 0.0, 0.0)
     """Likewise, about the centre of mass [N m]."""
+    pulls: tuple[Pull, ...] = ()
+    """Springs that draw a dynamic body; events may move them, and let go by setting none."""
 
     @model_validator(mode="after")
     def _motion_is_consistent(self) -> Self:
@@ -98,8 +109,10 @@ class RigidBody(Placement, Contact):
             raise ValueError("start is for prescribed bodies without keyframes: remove it")
         if self.keyframes and any(self.position) and self.position != self.keyframes[0].position:
             raise ValueError("position differs from that of the first keyframe: leave position out")
-        if self.motion != "dynamic" and (any(self.force) or any(self.torque)):
-            raise ValueError("force and torque are for bodies that obey them: add `motion: dynamic`, or remove them")
+        if self.motion != "dynamic" and (any(self.force) or any(self.torque) or self.pulls):
+            raise ValueError(
+                "force, torque and pulls are for bodies that obey them: add `motion: dynamic`, or remove them"
+            )
         if self.motion != "static" and self.shape.type in {"plane", "sheet"}:
             raise ValueError(f"motion of a {self.shape.type} can only be static: use a thin box")
         return self

@@ -57,6 +57,10 @@ class Stage:
         self.session.step()
         self.until(lambda session: session.status.frame > frame and session.status.mode == "paused")
 
+    def play_to(self, frame: int) -> None:
+        while self.session.status.frame < frame:
+            self.step()
+
     def close(self) -> None:
         self.session.close()
         self._thread.join(30)
