@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 RATE = 30
 """Pictures a second that are sent at most."""
+LOOK = 0.004
+"""Between two looks for somebody who is done with the last picture [s]."""
 REFRESH = 0.25
 """Between two refreshes of numbers and plots [s]."""
 
@@ -34,6 +36,7 @@ class Viewer:
     take_over: viser.GuiButtonHandle
     shown: object = None
     """What it was sent last."""
+    sent: float = 0.0
     refreshed: float = 0.0
 
 
@@ -116,13 +119,12 @@ class Page:
     def _send(self) -> None:
         """Send pictures as they are made, numbers and plots now and then, to those who are done with the last."""
         while self.session.status.mode != "closed":
-            began = time.perf_counter()
             with self._lock:
                 viewers = list(self._viewers.values())
             for viewer in viewers:
-                if viewer.view.ready:
+                if viewer.view.ready and time.perf_counter() > viewer.sent + 1 / RATE:
                     self._send_to(viewer)
-            time.sleep(max(1 / RATE - (time.perf_counter() - began), 0.001))
+            time.sleep(LOOK)
 
     def _send_to(self, viewer: Viewer) -> None:
         picture, scenery, now = self.session.picture, self.session.scenery, time.perf_counter()
@@ -130,7 +132,7 @@ class Page:
             wanted = (id(picture), viewer.view.colouring)
             if viewer.shown != wanted:
                 viewer.view.show(picture, scenery)
-                viewer.shown = wanted
+                viewer.shown, viewer.sent = wanted, now
         if now - viewer.refreshed > REFRESH:
             viewer.refreshed = now
             viewer.panel.refresh()

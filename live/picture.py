@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +16,9 @@ if TYPE_CHECKING:
 
 COURSE = ("time", "kinetic", "potential", "elastic", "density_error")
 """Columns of a course: s, J, J, J, and the mean compression as a share of the rest density."""
+CELL = 1.25
+"""Edge, in particle spacings, of cubes of which inside water hardly any is empty."""
+MOST_CELLS = 2e7
 LONGEST_COURSE = 2000
 """Rows of a course; older ones are let go."""
 
@@ -57,6 +62,11 @@ class Picture:
     scenery: int
     """Changes where there are other solids or sheets than before."""
 
+    @cached_property
+    def seen(self) -> np.ndarray:
+        """Indices of the particles that others do not hide on all sides."""
+        return near_the_surface(self.points, CELL * self.spacing) if self.spacing else np.arange(0)
+
 
 @dataclass
 class Scenery:
@@ -66,6 +76,8 @@ class Scenery:
     solids: dict[str, Solid] = field(default_factory=dict)
     cloths: dict[str, np.ndarray] = field(default_factory=dict)
     """Triangles of sheets."""
+    edges: np.ndarray = field(default_factory=lambda: np.zeros((0, 2, 3)))
+    """Of box containers: both ends [m], shape [n, 2, 3]."""
 
 
 def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
@@ -96,15 +108,39 @@ def scenery(world: World, number: int) -> Scenery:
     for item in world.obstacles.placed:
         centre = np.zeros(3) if item.hollow else item.centre
         solids[item.name] = Solid(item.solid.mesh.vertices - centre, item.solid.mesh.faces, item.hollow)
-    for name, (points, triangles) in world.obstacles.box_surfaces().items():
-        solids[name] = Solid(points, triangles, container=True)
-    return Scenery(number, solids, {item.name: np.asarray(item.fabric.triangles) for item in world.sheets})
+    cloths = {item.name: np.asarray(item.fabric.triangles) for item in world.sheets}
+    edges = [_edges(bounds) for bounds in world.obstacles.box_bounds()]
+    return Scenery(number, solids, cloths, np.concatenate(edges) if edges else np.zeros((0, 2, 3)))
+
+
+def _edges(bounds: np.ndarray) -> np.ndarray:
+    """Of a box [m], shape [2, 3]: ends of its edges, shape [12, 2, 3]."""
+    corners = np.array(list(itertools.product((0, 1), repeat=3)))
+    pairs = [(a, b) for a, b in itertools.combinations(corners, 2) if np.abs(a - b).sum() == 1]
+    return np.where(np.array(pairs) == 0, bounds[0], bounds[1])
 
 
 def _pose(item, time: float) -> Pose:
     movement = item.movement(time)
     turned = np.array([1.0, 0.0, 0.0, 0.0]) if movement is None else movement.quaternion()
     return Pose(item.centre_at(time), turned)
+
+
+def near_the_surface(points: np.ndarray, cell: float) -> np.ndarray:
+    """Indices of the points, shape [n, 3], beside whose cubes of this edge [m] there is an empty one; of all points,
+    where they are spread too far for a grid."""
+    lowest, highest = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+    if not len(points) or np.prod((highest - lowest) / cell + 3) > MOST_CELLS:
+        return np.arange(len(points))
+    at = ((points - lowest) / cell).astype(np.int64) + 1
+    full = np.zeros(at.max(axis=0) + 2, bool)
+    strides = np.array([full.shape[1] * full.shape[2], full.shape[2], 1])
+    flat, index = full.reshape(-1), at @ strides
+    flat[index] = True
+    hidden = flat.copy()
+    for stride in strides:
+        hidden[stride:-stride] &= flat[2 * stride :] & flat[: -2 * stride]
+    return np.flatnonzero(~hidden[index])
 
 
 class Course:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import queue
+import sys
 import threading
 import time
 from collections import deque
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
     from sim.world import World
     from workflow.scene import Scene
 
+NICE = 6
+"""Priority of the simulation among processes."""
 MOST_WAITING = 200
 """Actions that may wait for the next step."""
 LAST_FRAME = 1_000_000
@@ -148,6 +152,7 @@ class Session:
 
     def run(self) -> None:
         """Simulate until closed; raises Refused where the scene can not be built."""
+        _yield_to_others()
         scene = self.script.scene
         precision.choose(scene.simulation.precision)
         self._simulation = run = Run(
@@ -363,6 +368,12 @@ class Session:
         self._recent.append((now, at))
         if self.watched and now - self._drawn_at >= PICTURES:
             self._draw()
+
+
+def _yield_to_others() -> None:
+    """Let the page and a browser on this machine go first: this thread and those that it starts can wait."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)
 
 
 class _Output:

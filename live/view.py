@@ -46,8 +46,9 @@ class View:
         self._particles: viser.PointCloudHandle | None = None
         self._solids: dict[str, viser.MeshHandle] = {}
         self._cloths: dict[str, viser.MeshHandle] = {}
+        self._edges: list[viser.LineSegmentsHandle] = []
         client.scene.set_up_direction("+y")
-        client.scene.configure_default_lights(True)
+        client.scene.configure_default_lights(True, cast_shadow=False)
 
     def look_at(self, bounds: np.ndarray) -> None:
         """Put the camera so that a box [m], shape [2, 3], is seen."""
@@ -84,12 +85,13 @@ class View:
         self.client.camera.fov = self._angle * (1 + NUDGE * self._nudged)
 
     def colours(self, picture: Picture) -> np.ndarray:
-        """Of particles, shape [n, 3], red, green, blue from 0 to 255."""
+        """Of the particles that are seen, shape [n, 3], red, green, blue from 0 to 255."""
         if self.colouring == "density error":
-            share = np.abs(picture.compression) / DENSE
+            share = np.abs(picture.compression[picture.seen]) / DENSE
         else:
-            fastest = float(np.quantile(picture.speed, 0.99)) if len(picture.speed) else 0.0
-            share = picture.speed / max(fastest, SLOW)
+            speed = picture.speed[picture.seen]
+            fastest = float(np.quantile(speed, 0.99)) if len(speed) else 0.0
+            share = speed / max(fastest, SLOW)
         return _COLOURS[self.colouring][(255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)]
 
     def _show_particles(self, picture: Picture) -> None:
@@ -100,7 +102,7 @@ class View:
         if self._particles is None:
             self._particles = self.client.scene.add_point_cloud(
                 "/fluid",
-                picture.points,
+                picture.points[picture.seen],
                 self.colours(picture),
                 point_size=0.9 * picture.spacing,
                 point_shape="circle",
@@ -109,13 +111,19 @@ class View:
             )
             return
         self._particles.visible = True
-        self._particles.points = picture.points
+        self._particles.points = picture.points[picture.seen]
         self._particles.colors = self.colours(picture)
 
     def _build(self, scenery: Scenery) -> None:
-        for handle in [*self._solids.values(), *self._cloths.values()]:
+        for handle in [*self._solids.values(), *self._cloths.values(), *self._edges]:
             handle.remove()
-        self._solids, self._cloths = {}, {}
+        self._solids, self._cloths, self._edges = {}, {}, []
+        if len(scenery.edges):
+            ends = scenery.edges.astype(np.float32)
+            drawn = self.client.scene.add_line_segments(
+                "/edges", ends, CONTAINER, thickness=1.5, thickness_units="screen"
+            )
+            self._edges.append(drawn)
         for number, (name, solid) in enumerate(scenery.solids.items()):
             colour = CONTAINER if solid.container else BODIES[number % len(BODIES)]
             self._solids[name] = self.client.scene.add_mesh_simple(
