@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import logging
 import secrets
 import threading
 import time
@@ -17,9 +18,11 @@ from live.view import View
 if TYPE_CHECKING:
     from live.session import Session
 
+log = logging.getLogger(__name__)
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 RATE = 30
 """Pictures a second that are sent at most."""
+
 LOOK = 0.004
 """Between two looks for somebody who is done with the last picture [s]."""
 REFRESH = 0.25
@@ -84,6 +87,9 @@ class Page:
 
     def _let_in(self, client: viser.ClientHandle) -> None:
         number = client.client_id
+        with self._lock:
+            if self._steers is None:
+                self._steers = number
         view = View(client)
         take = client.gui.add_button("Take over", hint="steer this simulation yourself", visible=False)
         take.on_click(lambda event: self._take_over(number))
@@ -92,8 +98,6 @@ class Page:
         view.look_at(self.session.bounds)
         with self._lock:
             self._viewers[number] = Viewer(client, view, panel, take)
-            if self._steers is None:
-                self._steers = number
             self._show_who_steers()
             self.session.watched = True
 
@@ -123,7 +127,12 @@ class Page:
                 viewers = list(self._viewers.values())
             for viewer in viewers:
                 if viewer.view.ready and time.perf_counter() > viewer.sent + 1 / RATE:
-                    self._send_to(viewer)
+                    try:
+                        self._send_to(viewer)
+                    except Exception:
+                        # What one browser does must not keep pictures from the others.
+                        log.exception("viewer %d is sent nothing more", viewer.client.client_id)
+                        self._left(viewer.client)
             time.sleep(LOOK)
 
     def _send_to(self, viewer: Viewer) -> None:

@@ -13,7 +13,7 @@ from viser import uplot
 
 from live.changes import Changes
 from live.handling import Handling
-from live.uploads import MESHES, keep
+from live.uploads import MESHES, give_back, keep
 from live.view import COLOURINGS
 from sim.settings import Refused
 
@@ -52,7 +52,7 @@ class Panel:
         self._changes = Changes(client.gui, tabs.add_tab("Change"), self._steer, self._change, self.tell)
         with tabs.add_tab("Handle"):
             self._handling = Handling(client, session, self._steer, self._change)
-        with tabs.add_tab("Add"):
+        with tabs.add_tab("Add") as self._add_tab:
             self._add_shapes()
         with tabs.add_tab("Save"):
             self._add_saving()
@@ -106,7 +106,7 @@ class Panel:
         speed = gui.add_slider("speed", 0.0, 2.0, 0.05, 0.0, hint="of real time at most; 0: as fast as it goes")
         speed.on_update(lambda event: self._steer(event, lambda: session.set_speed(speed.value or None)))
         colour = gui.add_dropdown("colour", COLOURINGS, initial_value=self.view.colouring)
-        colour.on_update(lambda event: setattr(self.view, "colouring", colour.value))
+        colour.on_update(lambda event: self.view.colour_by(colour.value))
 
     def _add_plots(self) -> None:
         empty = np.zeros(2)
@@ -151,8 +151,7 @@ class Panel:
         self._size = gui.add_vector3("size [m]", (0.1, 0.1, 0.1), min=(1e-3,) * 3, step=0.01)
         self._density = gui.add_number("density [kg/m³]", 500.0, min=1.0, hint="of a body")
         self._name = gui.add_text("name", "added1")
-        upload = gui.add_upload_button("Upload a mesh", mime_type=",".join(MESHES))
-        upload.on_upload(lambda event: self._steer(event, lambda: self._uploaded(upload)))
+        self._offer_upload(None)
         place = gui.add_checkbox("place it in the scene", False)
         place.on_update(lambda event: self._place(place.value))
         self._button("Add", self._add)
@@ -193,9 +192,21 @@ class Panel:
             return {"type": "cylinder", "radius": x / 2, "height": y}
         return {"type": "box", "size": [x, y, z]}
 
-    def _uploaded(self, upload: Any) -> None:
+    def _offer_upload(self, order: float | None) -> None:
+        upload = self.client.gui.add_upload_button("Upload a mesh", mime_type=",".join(MESHES), order=order)
+        upload.on_upload(lambda event: self._uploaded(event, upload))
+
+    def _uploaded(self, event: viser.GuiEvent, upload: viser.GuiUploadButtonHandle) -> None:
+        """Take what was sent, and hold its bytes no longer than that."""
+        file, order = upload.value, upload.order
+        upload.remove()
+        with self._add_tab:
+            self._offer_upload(order)
+        self._steer(event, lambda: self._keep(file))
+        give_back()
+
+    def _keep(self, file: viser.UploadedFile) -> None:
         """Keep a mesh that was sent, if it is one."""
-        file = upload.value
         try:
             self._mesh = keep(file.name, file.content, self.uploads)
         except Refused as refused:
@@ -203,8 +214,6 @@ class Panel:
         else:
             self._shape.value = "mesh"
             self.tell(f"{self._mesh}: choose where it comes, and add it", title="Uploaded", colour="teal")
-        finally:
-            upload.value = type(file)("", b"")
 
     def _add_saving(self) -> None:
         scene = self.session.script.scene

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
+import sys
 from pathlib import Path
 
 from sim.geometry.shapes import place
@@ -12,6 +14,14 @@ from sim.settings import Refused
 
 MESHES = (".stl", ".obj", ".ply", ".off")
 MOST_BYTES = 50_000_000
+
+
+def give_back() -> None:
+    """Hand memory that a large upload took back to the system, where its C library would keep it."""
+    if sys.platform == "linux":
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+        if trim is not None:
+            trim(0)
 
 
 def keep(name: str, content: bytes, folder: Path) -> Path:

@@ -56,6 +56,11 @@ class View:
         self.client.camera.look_at = middle
         self.client.camera.position = middle + size * np.array([0.55, 0.4, 0.85])
 
+    def colour_by(self, name: str) -> None:
+        """Choose one of COLOURINGS; anything else is ignored."""
+        if name in COLOURINGS:
+            self.colouring = name
+
     @property
     def ready(self) -> bool:
         """Whether the browser is done with the last picture: a slow one is sent fewer, and none has to wait."""

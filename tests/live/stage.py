@@ -32,11 +32,11 @@ rigid:
 class Stage:
     """A session of the scene above, and what was refused."""
 
-    def __init__(self, folder: Path, text: str = SCENE):
+    def __init__(self, folder: Path, text: str = SCENE, **options: Any):
         path = folder / "scenes" / "pool.yaml"
         path.parent.mkdir()
         path.write_text(text)
-        self.session = Session(load(path), threads=2, arch="cpu")
+        self.session = Session(load(path), threads=2, arch="cpu", **options)
         self.session.watched = True
         self.problems: list[str] = []
         self._thread = threading.Thread(target=self.session.run, daemon=True)

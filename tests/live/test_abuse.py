@@ -1,0 +1,170 @@
+"""What no browser would send, and more than anybody would do: the simulation goes on, and so does the page."""
+
+from __future__ import annotations
+
+import gc
+import random
+import time
+from collections.abc import Callable
+
+import numpy as np
+import psutil
+import pytest
+
+from live.page import Page
+from live.session import Session
+from tests.live.stage import SCENE, Stage
+from tests.live.viewer import Viewer
+
+COARSE = SCENE.replace("10 mm", "20 mm")
+MB = 1e6
+VALUES = [0, 1, -1, 1e300, -1e300, float("nan"), float("inf"), "", "x" * 10_000, "[1, 2", "{}", "null", "../..", True]
+VALUES += [[0, 0, 0], [1e9] * 3, [float("nan")] * 3, [], None, {"a": 1}, b"\x00", 1 << 62]
+MALFORMED = [b"", b"\x00", b"\xff" * 1000, b"\x80", "text", b"\x81\xa4type\xa4Nope", b"\xc1", b"\x93\x01\x02\x03"]
+
+
+@pytest.fixture
+def stage(tmp_path):
+    stage = Stage(tmp_path, COARSE, history=int(20 * MB))
+    yield stage
+    stage.close()
+
+
+@pytest.fixture
+def page(stage):
+    page = Page(stage.session, host="127.0.0.1", port=0)
+    yield page
+    page.close()
+
+
+def still_works(stage: Stage, page: Page) -> None:
+    """A newcomer that takes over can go back to the start and simulate a frame, all of which is finite."""
+    viewer = Viewer(page.port)
+    viewer.press("Take over")
+    viewer.press("Pause")
+    stage.until(lambda session: session.status.mode == "paused")
+    viewer.set("frame", 0)
+    viewer.press("Go back")
+    stage.until(lambda session: session.status.frame == 0)
+    viewer.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1 and session.status.mode == "paused", 120)
+    assert all_finite(stage.session)
+    assert stage.session.status.particles == 700
+    assert viewer.pictures > 0
+    viewer.close()
+
+
+def all_finite(session: Session) -> bool:
+    picture = session.picture
+    poses = [part for pose in picture.poses.values() for part in (pose.position, pose.quaternion)]
+    return all(
+        np.isfinite(values).all() for values in [picture.points, picture.speed, *poses, *picture.cloths.values()]
+    )
+
+
+def memory() -> float:
+    """Of this process [MB]."""
+    gc.collect()
+    return psutil.Process().memory_info().rss / MB
+
+
+def back_at(level: float, seconds: float = 20.0) -> bool:
+    end = time.monotonic() + seconds
+    while memory() > level:
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.5)
+    return True
+
+
+def act(viewer: Viewer, random: random.Random) -> None:
+    """Press, slide, choose or type something, sensible or not."""
+    fields = viewer.all_fields
+    if not fields:
+        return
+    field = random.choice(fields)
+    known = viewer.values.get(field)
+    near = known * random.uniform(0, 2) if isinstance(known, float) else known
+    value = random.choice([True, near, random.choice(VALUES)])
+    viewer.send(type="GuiUpdateMessage", uuid=field, updates={"value": value})
+
+
+def act_for(viewers: list[Viewer], actions: int, seconds: float, watch: Callable[[], None]) -> None:
+    chance = random.Random(7)
+    began = time.monotonic()
+    for number in range(actions):
+        act(chance.choice(viewers), chance)
+        if number % 20 == 0:
+            watch()
+        time.sleep(max(0.0, began + seconds * (number + 1) / actions - time.monotonic()))
+
+
+def test_malformed_messages_close_their_sender_only(stage, page):
+    watching = Viewer(page.port)
+    watching.wait_for("Play")
+    for message in MALFORMED:
+        bad = Viewer(page.port)
+        bad.wait_for("Play")
+        bad.send_raw(message)
+    wrong = Viewer(page.port)
+    for value in VALUES:
+        wrong.set("size [m]", value)
+        wrong.set("frame", value)
+    wrong.send(type="GuiUpdateMessage", uuid="nobody", updates={"value": 1})
+    wrong.send(type="GuiUpdateMessage", uuid=wrong.fields["Play"][0], updates={"nothing": 1})
+    assert not watching.closed
+    still_works(stage, page)
+
+
+def test_uploads_that_are_no_mesh_or_too_large_are_refused(stage, page, tmp_path):
+    viewer = Viewer(page.port)
+    refused = [("pool.stl", b"solid nothing"), ("run.py", b"print(1)"), ("../../out.stl", b"")]
+    for number, (name, content) in enumerate(refused):
+        viewer.upload("Upload a mesh", name, content)
+        stage.until(lambda session, number=number: len(viewer.told) > number)
+    before = memory()
+    viewer.upload("Upload a mesh", "large.stl", bytes(200_000_000))
+    stage.until(lambda session: len(viewer.told) > len(refused))
+    assert "has 200 MB, at most 50 are taken" in viewer.told[-1]
+    assert back_at(before + 30)
+    uploads = tmp_path / "scenes" / "uploads"
+    assert not uploads.exists() or not list(uploads.iterdir())
+    still_works(stage, page)
+
+
+def test_only_one_of_two_steers(stage, page):
+    first = Viewer(page.port)
+    first.wait_for("Play")
+    second = Viewer(page.port)
+    second.press("Next frame")
+    stage.until(lambda session: second.told)
+    assert "somebody else steers" in second.told[0] and stage.session.status.frame == 0
+    second.press("Take over")
+    second.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
+    first.press("Next frame")
+    stage.until(lambda session: first.told)
+    assert stage.session.status.frame == 1
+    second.close()
+    stage.until(lambda session: first.press("Next frame") or session.status.frame > 1)
+
+
+@pytest.mark.parametrize(
+    ("actions", "seconds"),
+    [(200, 10), pytest.param(1000, 60, marks=[pytest.mark.slow, pytest.mark.timeout(900)])],
+)
+def test_random_actions_leave_it_whole(stage, page, actions, seconds):
+    viewers = [Viewer(page.port), Viewer(page.port)]
+    for viewer in viewers:
+        viewer.wait_for("Set fluid")
+    levels = []
+    for _ in range(2):
+
+        def watch() -> None:
+            assert all_finite(stage.session)
+            assert not any(viewer.closed for viewer in viewers)
+
+        act_for(viewers, actions, seconds, watch)
+        still_works(stage, page)
+        levels.append(memory())
+    assert levels[1] < levels[0] + 100, levels
