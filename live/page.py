@@ -64,6 +64,12 @@ class Page:
     def port(self) -> int:
         return self.server.get_port()
 
+    @property
+    def viewers(self) -> list[Viewer]:
+        """Those who were let in."""
+        with self._lock:
+            return list(self._viewers.values())
+
     def close(self) -> None:
         self.server.stop()
 
@@ -123,9 +129,7 @@ class Page:
     def _send(self) -> None:
         """Send pictures as they are made, numbers and plots now and then, to those who are done with the last."""
         while self.session.status.mode != "closed":
-            with self._lock:
-                viewers = list(self._viewers.values())
-            for viewer in viewers:
+            for viewer in self.viewers:
                 if viewer.view.ready and time.perf_counter() > viewer.sent + 1 / RATE:
                     try:
                         self._send_to(viewer)

@@ -26,12 +26,13 @@ from workflow.document import SceneError
 if TYPE_CHECKING:
     import numpy as np
 
+    from sim.checkpoint import Clock
     from sim.fluid.system import Measure
     from sim.spec import Event, SimulationSpec
     from sim.world import World
     from workflow.scene import Scene
 
-NICE = 6
+NICE = 9
 """Priority of the simulation among processes."""
 MOST_WAITING = 200
 """Actions that may wait for the next step."""
@@ -137,6 +138,11 @@ class Session:
     def spec(self) -> SimulationSpec:
         """The settings in force, without events."""
         return self._simulation.world.spec
+
+    @property
+    def clock(self) -> Clock:
+        """Of the run."""
+        return self._simulation.clock
 
     @property
     def bounds(self) -> np.ndarray:
