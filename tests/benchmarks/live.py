@@ -1,11 +1,11 @@
 """Steps per second of a live run with and without a viewer, and pictures and frames a second that a viewer gets.
 
-    python tests/benchmarks/live.py [--particles 20000] [--turns 5] [--seconds 6] [--browser 800x600] [--threads 2]
+    python tests/benchmarks/live.py [--particles 20000] [--turns 5] [--steps 100] [--browser 800x600] [--threads 2]
 
-A box falls into a pool; the same run goes on while viewers come and go by turns, and the ratio is that of medians. By
-default the viewer is a process that takes pictures and answers them without drawing, as a browser does that draws by a
-graphics card or on another machine. With --browser it is a headless Chromium of that size, which draws on the same
-cores.
+A box falls into a pool. The same steps are taken again and again, by turns with and without a viewer, and the cost is
+that of medians. By default the viewer is a process that takes pictures and answers them without drawing, as a browser
+does that draws by a graphics card or on another machine. With --browser it is a headless Chromium of that size, which
+draws on the same cores.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-WARM_UP = 2.0
-"""After a viewer has come or gone [s]."""
+FIRST = 1
+"""The frame from which steps are taken."""
+WARM_UP = 3
+"""Steps before the first that counts."""
 COUNT_FRAMES = "window.frames_drawn = 0; const count = () => { window.frames_drawn++; requestAnimationFrame(count) }; "
 COUNT_FRAMES += "count()"
 
@@ -94,7 +96,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--particles", type=int, default=20_000)
     parser.add_argument("--turns", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=6.0, help="of a turn")
+    parser.add_argument("--steps", type=int, default=100, help="of a turn")
     parser.add_argument("--browser", metavar="WIDTHxHEIGHT")
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
@@ -108,13 +110,12 @@ def main() -> None:
         session = stage.session
         session.watched = False
         page = Page(session, host="127.0.0.1", port=0)
-        session.play()
-        stage.until(lambda session: session.clock.frame >= 1, 600)
+        stage.step()
         alone, watched, pictures, frames = [], [], [], []
         for _ in range(options.turns):
-            alone.append(rates(options.seconds, lambda: [session.clock.step])[0])
+            alone.append(rates(stage, options.steps, lambda: [])[0])
             viewer = Chromium(page.port, page, options.browser) if options.browser else Watcher(page.port)
-            found = rates(options.seconds, lambda seen=viewer: [session.clock.step, seen.pictures, seen.frames])
+            found = rates(stage, options.steps, lambda seen=viewer: [seen.pictures, seen.frames])
             viewer.leave()
             for column, value in zip((watched, pictures, frames), found, strict=True):
                 column.append(value)
@@ -131,14 +132,20 @@ def main() -> None:
         stage.close()
 
 
-def rates(seconds: float, counts: Callable[[], list[int]]) -> list[float]:
-    """How fast counts grow, once what has changed is over [1/s]."""
-    time.sleep(WARM_UP)
+def rates(stage: Any, steps: int, counts: Callable[[], list[int]]) -> list[float]:
+    """How fast a number of steps after the first frame is taken, and how fast counts grow meanwhile [1/s]."""
+    session = stage.session
+    session.go_back(FIRST)
+    stage.until(lambda session: session.status.frame == FIRST and session.status.mode == "paused", 600)
+    start = session.clock.step + WARM_UP
+    session.play()
+    stage.until(lambda session: session.clock.step >= start, 600)
     began, before = time.perf_counter(), counts()
-    time.sleep(seconds)
-    after = counts()
-    passed = time.perf_counter() - began
-    return [(late - early) / passed for late, early in zip(after, before, strict=True)]
+    stage.until(lambda session: session.clock.step >= start + steps, 3600)
+    passed, after = time.perf_counter() - began, counts()
+    session.pause()
+    stage.until(lambda session: session.status.mode == "paused", 600)
+    return [steps / passed, *((late - early) / passed for late, early in zip(after, before, strict=True))]
 
 
 if __name__ == "__main__":
