@@ -109,12 +109,12 @@ class Page:
 
     def _left(self, client: viser.ClientHandle) -> None:
         with self._lock:
-            self._viewers.pop(client.client_id, None)
+            came = self._viewers.pop(client.client_id, None) is not None
             if self._steers == client.client_id:
                 self._steers = next(iter(self._viewers), None)
                 self._show_who_steers()
             self.session.watched = bool(self._viewers)
-            if self.stop_when_left and not self._viewers:
+            if self.stop_when_left and came and not self._viewers:
                 self.session.close()
 
     def _take_over(self, number: int) -> None:

@@ -52,6 +52,8 @@ class Picture:
     """Of particles [m/s], shape [n]."""
     compression: np.ndarray
     """Of particles: density over rest density, less one, shape [n]."""
+    body: np.ndarray
+    """Number of the fluid body or emitter that particles came from, shape [n]."""
     origin: np.ndarray
     """What to add to the places of particles [m], shape [3]."""
     spacing: float
@@ -83,10 +85,11 @@ class Scenery:
 def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
     """The world as it is."""
     points, velocity, spacing, density = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32), 0.0, 1.0
+    body = np.zeros(0, np.int32)
     if world.fluid is not None:
         particles = world.fluid.system.particles
         points = particles.numpy("position")[:, :3].astype(np.float32)
-        velocity = particles.numpy("velocity")
+        velocity, body = particles.numpy("velocity"), particles.numpy("tag")[:, 1]
         spacing, density = world.spec.fluid.spacing, world.spec.fluid.rest_density
     return Picture(
         frame=frame,
@@ -94,6 +97,7 @@ def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
         points=points,
         speed=np.linalg.norm(velocity[:, :3], axis=1),
         compression=velocity[:, 3] / density - 1.0,
+        body=body,
         origin=np.array(world.origin),
         spacing=spacing,
         poses={item.name: _pose(item, time) for item in world.obstacles.placed if not item.hollow},

@@ -13,10 +13,14 @@ if TYPE_CHECKING:
 
     from live.picture import Picture, Scenery
 
-Colouring = Literal["water", "speed", "density error"]
-COLOURINGS: tuple[Colouring, ...] = ("water", "speed", "density error")
+Colouring = Literal["water", "speed", "density error", "material"]
+COLOURINGS: tuple[Colouring, ...] = ("water", "speed", "density error", "material")
 CONTAINER, CLOTH = (150, 160, 170), (196, 120, 84)
 BODIES = [(226, 98, 74), (240, 178, 62), (110, 168, 108), (146, 120, 190), (214, 140, 160), (120, 130, 140)]
+FLUIDS = np.array(
+    [(46, 134, 193), (38, 166, 154), (126, 87, 194), (236, 151, 31), (92, 164, 84), (214, 72, 110)], np.uint8
+)
+"""Of fluid bodies and emitters, in their order."""
 SLOW = 0.5
 """Where nothing is faster, this speed [m/s] has the brightest colour."""
 DENSE = 0.01
@@ -91,6 +95,8 @@ class View:
 
     def colours(self, picture: Picture) -> np.ndarray:
         """Of the particles that are seen, shape [n, 3], red, green, blue from 0 to 255."""
+        if self.colouring == "material":
+            return FLUIDS[picture.body[picture.seen] % len(FLUIDS)]
         if self.colouring == "density error":
             share = np.abs(picture.compression[picture.seen]) / DENSE
         else:

@@ -69,7 +69,7 @@ class Chromium:
     def __init__(self, port: int, page: Any, size: str):
         from tests.live import test_page
 
-        test_page.OPTIONS = test_page.OPTIONS.replace("1200,900", size.replace("x", ","))
+        test_page.OPTIONS = test_page.OPTIONS.replace("900,600", size.replace("x", ","))
         self._answers = 0
         self._browser = test_page.Browser(port)
         self._browser.find("//button[normalize-space()='Play']")

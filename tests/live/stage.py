@@ -61,6 +61,10 @@ class Stage:
         while self.session.status.frame < frame:
             self.step()
 
+    def until_closed(self) -> None:
+        self._thread.join(30)
+        assert self.session.status.mode == "closed"
+
     def close(self) -> None:
         self.session.close()
         self._thread.join(30)

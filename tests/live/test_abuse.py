@@ -149,6 +149,42 @@ def test_only_one_of_two_steers(stage, page):
     stage.until(lambda session: first.press("Next frame") or session.status.frame > 1)
 
 
+def test_who_does_not_know_the_token_sees_and_does_nothing(stage):
+    page = Page(stage.session, host="127.0.0.1", port=0, token="the token")
+    stranger = Viewer(page.port)
+    stranger.set("token", "another")
+    stranger.press("Enter")
+    stage.until(lambda session: stranger.told)
+    assert "not the token" in stranger.told[0]
+    assert "Play" not in stranger.fields and stranger.pictures == 0
+    friend = Viewer(page.port)
+    friend.set("token", "the token")
+    friend.press("Enter")
+    friend.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
+    assert "Play" not in stranger.fields and stranger.pictures == 0 < friend.pictures
+    page.close()
+
+
+def test_the_run_ends_with_the_last_viewer_only_if_asked(stage):
+    page = Page(stage.session, host="127.0.0.1", port=0)
+    viewer = Viewer(page.port)
+    viewer.press("Play")
+    stage.until(lambda session: session.status.frame >= 1)
+    viewer.close()
+    stage.until(lambda session: not page.viewers)
+    frame = stage.session.status.frame
+    stage.until(lambda session: session.clock.frame > frame)
+    page.close()
+    page = Page(stage.session, host="127.0.0.1", port=0, stop_when_left=True)
+    viewer = Viewer(page.port)
+    viewer.wait_for("Play")
+    stage.until(lambda session: page.viewers)
+    viewer.close()
+    stage.until_closed()
+    page.close()
+
+
 @pytest.mark.parametrize(
     ("actions", "seconds"),
     [(200, 10), pytest.param(1000, 60, marks=[pytest.mark.slow, pytest.mark.timeout(900)])],

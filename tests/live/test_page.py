@@ -17,7 +17,7 @@ from workflow.scene import load
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="no chromium, or no chromium-driver")
 OPTIONS = """--headless=new --no-sandbox --disable-dev-shm-usage --use-gl=angle --use-angle=swiftshader
---enable-unsafe-swiftshader --window-size=1200,900 --disable-background-networking --disable-component-update"""
+--enable-unsafe-swiftshader --window-size=900,600 --disable-background-networking --disable-component-update"""
 COARSE = SCENE.replace("10 mm", "20 mm")
 
 
@@ -70,7 +70,7 @@ class Browser:
 
     def picture(self) -> np.ndarray:
         image = Image.open(BytesIO(self.driver.get_screenshot_as_png())).convert("RGB")
-        return np.asarray(image, int)[:, :800]
+        return np.asarray(image, int)[:, :500]
 
 
 @pytest.fixture
@@ -104,6 +104,12 @@ def mean_speed_up(stage: Stage) -> float:
     return float(stage.session._simulation.good.fluid.velocity[:, 1].mean())
 
 
+def mean_height(stage: Stage, name: str, since: int) -> float:
+    """Of a body that bobs, over frames [m]."""
+    states = [kept.rigid for kept in stage.session.history.kept if kept.clock.frame >= since]
+    return float(np.mean([state.position[state.names.index(name), 1] for state in states]))
+
+
 def test_what_is_done_in_the_page_happens_and_replays(stage, browser, simulate, tmp_path):
     session = stage.session
     browser.find("//button[normalize-space()='Play']")
@@ -126,10 +132,12 @@ def test_what_is_done_in_the_page_happens_and_replays(stage, browser, simulate, 
     stage.until(lambda session: "added1" in session.spec.rigid.bodies)
     browser.turn_to("Play")
     browser.press("Play")
-    stage.until(lambda session: session.status.frame >= 40)
+    session.watched = False  # Chromium draws on the cores that simulate.
+    stage.until(lambda session: session.clock.frame >= 75, 300)
     browser.press("Pause")
     stage.until(lambda session: session.status.mode == "paused")
-    assert session.picture.poses["added1"].position[1] == pytest.approx(0.31, abs=0.05), "a box of half the density"
+    session.watched = True
+    assert mean_height(stage, "added1", 40) == pytest.approx(0.3, abs=0.04), "half the density: to a particle's size"
     browser.turn_to("Add")
     browser.press("Remove")
     stage.until(lambda session: session.waiting or "added1" not in session.spec.rigid.bodies)
@@ -169,7 +177,7 @@ def test_a_hand_holds_a_body_releases_cloth_and_closes_a_tap(stage, browser):
     browser.turn_to("Handle")
     browser.tick("draw it to the handle")
     stage.until(lambda session: session.spec.rigid.bodies["box"].pulls)
-    stage.play_to(20)
+    stage.play_to(8)
     sag = 9.81 * (0.2 / (2 * np.pi)) ** 2
     assert session.picture.poses["box"].position[1] == pytest.approx(1 - sag, abs=0.002)
     left = session.picture.cloths["flag"][:, 1].max()
@@ -180,8 +188,8 @@ def test_a_hand_holds_a_body_releases_cloth_and_closes_a_tap(stage, browser):
     stage.until(lambda session: session.spec.fluid.emitters["tap"].stop and not session.spec.rigid.bodies["box"].pulls)
     stage.until(lambda session: not session.spec.cloth.sheets["flag"].pins)
     sent = session.status.particles
-    stage.play_to(30)
-    fallen = 9.81 * 0.2**2 / 2
+    stage.play_to(13)
+    fallen = 9.81 * 0.1**2 / 2
     assert session.picture.poses["box"].position[1] == pytest.approx(1 - sag - fallen, rel=0.02)
-    assert session.picture.cloths["flag"][:, 1].max() < 0.99
+    assert session.picture.cloths["flag"][:, 1].max() < 0.995
     assert session.status.particles == sent > 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
 import pytest
 
 from sim.failure import Fault
@@ -111,3 +112,17 @@ def test_it_keeps_to_its_speed(stage):
     session.pause()
     stage.until(lambda session: session.status.mode == "paused")
     assert (session.status.time - simulated) / (time.perf_counter() - began) < 0.07
+
+
+def test_more_fluid_than_there_was_has_room(stage):
+    """Three times as many particles."""
+    session = stage.session
+    stage.step()
+    before = session.status.particles
+    more = {"shape": {"type": "box", "size": [0.38, 0.3, 0.38]}}
+    stage.change(add={"fluid": {"more": more | {"position": [0, 0.62, 0]}}})
+    stage.step()
+    stage.step()
+    assert stage.problems == []
+    assert session.status.particles > 1.8 * before
+    assert set(np.unique(session.picture.body)) == {0, 1}

@@ -31,7 +31,7 @@ def test_a_wrong_set(bench, scene, case):
 
 EVENTS = {
     "nothing to do": ("- at: 0.1", "- at", "events.0", "needs add, remove or set"),
-    "before the start": ("- {at: -1, remove: [ball]}", "- {at", "events.0.at", "greater than 0 [s], got -1"),
+    "before the start": ("- {at: -1, remove: [ball]}", "- {at", "events.0.at", "at least 0 [s], got -1"),
     "no time": ("- {remove: [ball]}", "- {", "events.0.at", "missing", "add `at:` [s]"),
     "remove of nothing": ("- {at: 0.1, remove: [bal]}", "- {", "events.0.remove", "did you mean 'ball'?"),
     "remove twice": (

@@ -16,8 +16,8 @@ CHANGES = {
     4: {"set": {"rigid.bodies.late.force": [0.5, 0, 0]}},
     11: {"remove": ["body"]},
     12: {"set": {"gravity": [1, -9.81, 0]}},
-    17: {"set": {"gravity": [0, -9.81, 0]}},
-    18: {"set": {"step.cfl": 0.2}},
+    14: {"set": {"gravity": [0, -9.81, 0]}},
+    15: {"set": {"step.cfl": 0.2}},
 }
 LAST = 3
 
