@@ -84,6 +84,7 @@ class Handling:
             return
         picture, name = self.session.picture, self._body.value
         if picture is None or name not in picture.poses:
+            self._drag.value = False
             return
         self._held = name
         self._gizmo = self.client.scene.add_transform_controls(
