@@ -48,10 +48,10 @@ class Picture:
     time: float
     points: np.ndarray
     """Particles [m], single precision, shape [n, 3]."""
-    speed: np.ndarray
-    """Of particles [m/s], shape [n]."""
-    compression: np.ndarray
-    """Of particles: density over rest density, less one, shape [n]."""
+    velocity: np.ndarray
+    """Of particles [m/s], shape [n, 3]."""
+    density: np.ndarray
+    """Of particles, over rest density, shape [n]."""
     body: np.ndarray
     """Number of the fluid body or emitter that particles came from, shape [n]."""
     origin: np.ndarray
@@ -88,15 +88,15 @@ def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
     body = np.zeros(0, np.int32)
     if world.fluid is not None:
         particles = world.fluid.system.particles
-        points = particles.numpy("position")[:, :3].astype(np.float32)
+        points = particles.numpy("position")[:, :3].astype(np.float32, copy=False)
         velocity, body = particles.numpy("velocity"), particles.numpy("tag")[:, 1]
         spacing, density = world.spec.fluid.spacing, world.spec.fluid.rest_density
     return Picture(
         frame=frame,
         time=time,
         points=points,
-        speed=np.linalg.norm(velocity[:, :3], axis=1),
-        compression=velocity[:, 3] / density - 1.0,
+        velocity=velocity[:, :3],
+        density=velocity[:, 3] / np.float32(density),
         body=body,
         origin=np.array(world.origin),
         spacing=spacing,
@@ -133,18 +133,22 @@ def _pose(item, time: float) -> Pose:
 def near_the_surface(points: np.ndarray, cell: float) -> np.ndarray:
     """Indices of the points, shape [n, 3], beside whose cubes of this edge [m] there is an empty one; of all points,
     where they are spread too far for a grid."""
-    lowest, highest = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+    columns = np.ascontiguousarray(points.T)
+    lowest, highest = columns.min(axis=1, initial=np.inf), columns.max(axis=1, initial=-np.inf)
     if not len(points) or np.prod((highest - lowest) / cell + 3) > MOST_CELLS:
         return np.arange(len(points))
-    at = ((points - lowest) / cell).astype(np.int64) + 1
-    full = np.zeros(at.max(axis=0) + 2, bool)
-    strides = np.array([full.shape[1] * full.shape[2], full.shape[2], 1])
-    flat, index = full.reshape(-1), at @ strides
-    flat[index] = True
-    hidden = flat.copy()
+    shape = ((highest - lowest) / cell).astype(np.int64) + 3
+    strides = (int(shape[1] * shape[2]), int(shape[2]), 1)
+    index = np.full(len(points), sum(strides), np.int32)
+    for column, low, stride in zip(columns, lowest, strides, strict=True):
+        index += np.int32(stride) * ((column - low) / np.float32(cell)).astype(np.int32)
+    full = np.zeros(shape.prod(), bool)
+    full[index] = True
+    hidden = full.copy()
     for stride in strides:
-        hidden[stride:-stride] &= flat[2 * stride :] & flat[: -2 * stride]
+        hidden[stride:-stride] &= full[2 * stride :] & full[: -2 * stride]
     return np.flatnonzero(~hidden[index])
+
 
 
 class Course:

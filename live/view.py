@@ -98,9 +98,9 @@ class View:
         if self.colouring == "material":
             return FLUIDS[picture.body[picture.seen] % len(FLUIDS)]
         if self.colouring == "density error":
-            share = np.abs(picture.compression[picture.seen]) / DENSE
+            share = np.abs(picture.density[picture.seen] - 1.0) / DENSE
         else:
-            speed = picture.speed[picture.seen]
+            speed = np.linalg.norm(picture.velocity[picture.seen], axis=1)
             fastest = float(np.quantile(speed, 0.99)) if len(speed) else 0.0
             share = speed / max(fastest, SLOW)
         return _COLOURS[self.colouring][(255 * np.clip(share, 0.0, 1.0)).astype(np.uint8)]

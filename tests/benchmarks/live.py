@@ -3,7 +3,7 @@
     python tests/benchmarks/live.py [--particles 20000] [--turns 5] [--steps 100] [--browser 800x600] [--threads 2]
 
 A box falls into a pool. The same steps are taken again and again, by turns with and without a viewer, and the cost is
-that of medians. By default the viewer is a process that takes pictures and answers them without drawing, as a browser
+the median of what each turn with one cost against the turns beside it. By default the viewer is a process that takes pictures and answers them without drawing, as a browser
 does that draws by a graphics card or on another machine. With --browser it is a headless Chromium of that size, which
 draws on the same cores.
 """
@@ -11,6 +11,7 @@ draws on the same cores.
 from __future__ import annotations
 
 import argparse
+import itertools
 import multiprocessing
 import statistics
 import sys
@@ -119,6 +120,7 @@ def main() -> None:
             viewer.leave()
             for column, value in zip((watched, pictures, frames), found, strict=True):
                 column.append(value)
+        alone.append(rates(stage, options.steps, lambda: [])[0])
         print(f"{session.status.particles:,} particles, {options.threads} threads")
         for name, column in (
             ("steps/s alone", alone),
@@ -127,7 +129,9 @@ def main() -> None:
             ("frames/s", frames),
         ):
             print(f"{name:22} {statistics.median(column):8.2f}   of {', '.join(f'{value:.2f}' for value in column)}")
-        print(f"cost {1 - statistics.median(watched) / statistics.median(alone):.1%}")
+        beside = [(early + late) / 2 for early, late in itertools.pairwise(alone)]
+        costs = [1 - there / none for there, none in zip(watched, beside, strict=True)]
+        print(f"cost {statistics.median(costs):.1%}   of {', '.join(f'{cost:.1%}' for cost in costs)}")
         page.close()
         stage.close()
 

@@ -58,7 +58,7 @@ def all_finite(session: Session) -> bool:
     picture = session.picture
     poses = [part for pose in picture.poses.values() for part in (pose.position, pose.quaternion)]
     return all(
-        np.isfinite(values).all() for values in [picture.points, picture.speed, *poses, *picture.cloths.values()]
+        np.isfinite(values).all() for values in [picture.points, picture.velocity, *poses, *picture.cloths.values()]
     )
 
 
