@@ -150,7 +150,6 @@ def near_the_surface(points: np.ndarray, cell: float) -> np.ndarray:
     return np.flatnonzero(~hidden[index])
 
 
-
 class Course:
     """Energies and errors over time; what a step adds counts once its frame is done."""
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from sim.world import World
     from workflow.scene import Scene
 
-NICE = 5
+NICE = 8
 """Priority of the simulation among processes."""
 MOST_WAITING = 200
 """Actions that may wait for the next step."""

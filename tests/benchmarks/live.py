@@ -3,9 +3,9 @@
     python tests/benchmarks/live.py [--particles 20000] [--turns 5] [--steps 100] [--browser 800x600] [--threads 2]
 
 A box falls into a pool. The same steps are taken again and again, by turns with and without a viewer, and the cost is
-the median of what each turn with one cost against the turns beside it. By default the viewer is a process that takes pictures and answers them without drawing, as a browser
-does that draws by a graphics card or on another machine. With --browser it is a headless Chromium of that size, which
-draws on the same cores.
+the median of what each turn with one cost against the turns beside it. By default the viewer is a process that takes
+pictures and answers them without drawing, as a browser does that draws by a graphics card or on another machine. With
+--browser it is a headless Chromium of that size, which draws on the same cores.
 """
 
 from __future__ import annotations
