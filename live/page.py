@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import hmac
+import io
 import logging
 import secrets
 import threading
 import time
+import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,6 +31,16 @@ LOOK = 0.004
 """Between two looks for somebody who is done with the last picture [s]."""
 REFRESH = 0.25
 """Between two refreshes of numbers and plots [s]."""
+
+warnings.filterwarnings("ignore", message="Queued a .* on a closed connection", category=UserWarning)
+"""Viewers may leave while a picture is on its way to them."""
+
+
+@contextlib.contextmanager
+def silent() -> Iterator[None]:
+    """What viser prints in spite of `verbose=False` is not shown."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        yield
 
 
 @dataclass
@@ -53,7 +67,8 @@ class Page:
         self._viewers: dict[int, Viewer] = {}
         self._lock = threading.RLock()
         self._steers: int | None = None
-        self.server = viser.ViserServer(host=host, port=port, label="Tidemill", verbose=False)
+        with silent():
+            self.server = viser.ViserServer(host=host, port=port, label="Tidemill", verbose=False)
         self.server.gui.configure_theme(dark_mode=False, control_width="large", show_share_button=False)
         self.server.on_client_connect(self._came)
         self.server.on_client_disconnect(self._left)
@@ -71,7 +86,8 @@ class Page:
             return list(self._viewers.values())
 
     def close(self) -> None:
-        self.server.stop()
+        with silent():
+            self.server.stop()
 
     def _came(self, client: viser.ClientHandle) -> None:
         if self.token is None:

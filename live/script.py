@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from workflow.scene import Scene, compose, load
 
 HERE = "live"
 """The source that messages name instead of a file."""
-OF_FILMS = ("presets", "wedge", "quality", "duration", "events")
+OF_FILMS = ("wedge", "quality", "duration", "events")
 """What a saved scene does not take over as it is."""
 
 
@@ -48,7 +49,7 @@ class Script:
     def save(self, path: Path, events: Iterable[Event], frames: int) -> Scene:
         """Write the scene file whose film shows what was done, and load it; raises SceneError, OSError."""
         duration = frames / self.scene.simulation.fps
-        data = {key: value for key, value in self.scene.document.data.items() if key not in OF_FILMS}
+        data = _lasting(self.scene)
         data = {"description": data.pop("description", f"{self.scene.name}, played live"), **data}
         data |= {"duration": duration, "quality": self.scene.quality}
         data["events"] = [_plain(event) for event in events if event.at < duration]
@@ -57,6 +58,32 @@ class Script:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
         return load(path)
+
+
+def _lasting(scene: Scene) -> dict[str, Any]:
+    """What the scene file says for every preset, with the overrides, and without what belongs to a film."""
+    document = Document(scene.written.source, copy.deepcopy(scene.written.data))
+    for override in scene.overrides:
+        document.set(override)
+        for quality, values in document.data.get("presets", {}).items():
+            if _speaks_of(values, override.partition("=")[0].strip().split(".")):
+                document.set(f"presets.{quality}.{override}")
+    data = {key: value for key, value in document.data.items() if key not in OF_FILMS}
+    presets = {
+        quality: {key: value for key, value in values.items() if key not in OF_FILMS}
+        for quality, values in data.pop("presets", {}).items()
+    }
+    return {**data, **({"presets": presets} if presets else {})}
+
+
+def _speaks_of(values: Any, keys: list[str]) -> bool:
+    for key in keys:
+        if not isinstance(values, dict):
+            return True
+        if key not in values:
+            return False
+        values = values[key]
+    return True
 
 
 def _plain(event: Event) -> dict[str, Any]:

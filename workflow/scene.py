@@ -64,6 +64,10 @@ class Scene:
     wedge: tuple[Combination, ...]
     assets: dict[str, str]
     document: Document
+    """With the preset and the overrides."""
+    written: Document
+    """As the file is."""
+    overrides: tuple[str, ...] = ()
 
     @property
     def folder(self) -> Path:
@@ -86,7 +90,7 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
 
     Raises SceneError, whose text names file, line, field and remedy of every problem.
     """
-    document = read(path)
+    document = written = read(path)
     if quality is None:
         quality = document.data.get("quality", SceneFile.model_fields["quality"].default)
     if quality not in QUALITIES:
@@ -99,7 +103,7 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
         if override.partition("=")[0].partition(".")[0].strip() in {"quality", "presets"}:
             raise SceneError([f"--set {override}: presets are chosen before\n  fix: use --quality {quality}"])
         document.set(override)
-    return compose(document, path, str(quality), root)
+    return replace(compose(document, path, str(quality), root), written=written, overrides=tuple(overrides))
 
 
 def compose(document: Document, path: Path, quality: str, root: Path | None = None) -> Scene:
@@ -159,6 +163,7 @@ def _split(document: Document, path: Path, quality: str) -> Scene:
         wedge=_combinations(whole.wedge, document),
         assets={},
         document=document,
+        written=document,
     )
 
 
