@@ -14,7 +14,7 @@ min_version("9.0")
 report: "workflow/report/workflow.rst"
 
 
-catalog = Catalog(Path(workflow.basedir), config, workflow.cores or os.cpu_count() or 1)
+catalog = Catalog(Path(workflow.basedir), config, workflow.resource_settings.cores or os.cpu_count() or 1)
 
 
 localrules:

@@ -2,10 +2,11 @@
 
     python -m workflow.job --output DIR --failed DIR --log FILE --plan TEXT -- COMMAND ... @OUT ...
 
-The command writes into the folder @OUT, beside DIR; when it ends with 0 a manifest is added, all is
-written through to the disk, and the folder takes the name DIR. Otherwise what there is moves to the
-folder of --failed, and the command's exit code is passed on. One job at a time makes a result, and
-the command does not outlive the job, nor the job the workflow that started it.
+The command writes into the folder @OUT, beside DIR or on a disk of the machine (--scratch); when it
+ends with 0 a manifest is added, all is written through to the disk, and the folder takes the name
+DIR. Otherwise what there is moves to the folder of --failed, and the command's exit code is passed
+on. One job at a time makes a result, and the command does not outlive the job, nor the job the
+workflow that started it. What was refused or stopped for its settings is not tried again.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
@@ -32,6 +34,8 @@ PATIENCE = 10.0
 """How long a command may take to end when asked to [s]."""
 NEARLY_FULL = 4 * 1024 * 1024
 """Free space on the disk below which a failure is put down to it [bytes]."""
+VERDICT = ".verdict"
+"""File that says for which plan a command ended in a way that another attempt would not change."""
 MEANINGS = {
     2: "refused its settings",
     3: "stopped the simulation",
@@ -63,21 +67,36 @@ class Log:
         self.write(f"tidemill: {message}\n".encode())
 
 
-def run(command: Sequence[str], *, output: Path, failed: Path, log: Log, plan: str) -> int:
+def run(
+    command: Sequence[str],
+    *,
+    output: Path,
+    failed: Path,
+    log: Log,
+    plan: str,
+    attempt: int = 1,
+    scratch: Path | None = None,
+) -> int:
     """Run a command as described above; returns the exit code."""
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with _only_one(output, log):
             _sweep(output)
+            verdict = _verdict(failed, plan) if attempt > 1 else None
+            if verdict is not None:
+                log.say(f"{output}: the command {MEANINGS[verdict]} before: it is not tried again")
+                return verdict
             partial = output.with_name(f"{_partial_prefix(output)}{os.getpid()}")
             partial.mkdir()
             try:
-                code = _run_stage([part.replace(PLACEHOLDER, str(partial)) for part in command], log)
+                with _workplace(partial, scratch) as folder:
+                    code = _run_stage([part.replace(PLACEHOLDER, str(folder)) for part in command], log)
                 if code == 0:
                     _publish(partial, output, plan)
                     shutil.rmtree(failed, ignore_errors=True)
                 else:
                     _set_aside(partial, failed, code, log)
+                    _judge(failed, plan, code)
                 return code
             finally:
                 shutil.rmtree(partial, ignore_errors=True)
@@ -87,6 +106,34 @@ def run(command: Sequence[str], *, output: Path, failed: Path, log: Log, plan: s
     except OSError as error:
         log.say(_explain(error, output))
         return 1
+
+
+@contextlib.contextmanager
+def _workplace(partial: Path, scratch: Path | None) -> Iterator[Path]:
+    """The folder that the command writes into. In a scratch folder, it is moved to `partial` at once at the end, so
+    that a file system which many nodes share sees each file once."""
+    if scratch is None:
+        yield partial
+        return
+    scratch.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=scratch, prefix="tidemill-") as folder:
+        yield Path(folder)
+        shutil.copytree(folder, partial, dirs_exist_ok=True)
+
+
+def _judge(failed: Path, plan: str, code: int) -> None:
+    if code in MEANINGS:
+        failed.mkdir(parents=True, exist_ok=True)
+        (failed / VERDICT).write_text(f"{code} {plan}\n")
+
+
+def _verdict(failed: Path, plan: str) -> int | None:
+    """The exit code of an earlier attempt at the same, where it says that another would end the same way."""
+    try:
+        code, _, judged = (failed / VERDICT).read_text().strip().partition(" ")
+    except OSError:
+        return None
+    return int(code) if judged == plan and code.isdecimal() and int(code) in MEANINGS else None
 
 
 def _run_stage(command: Sequence[str], log: Log) -> int:
@@ -222,6 +269,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--failed", type=Path, required=True, help="where what is left of a failed job goes")
     parser.add_argument("--log", type=Path, required=True, help="file for all that the command prints")
     parser.add_argument("--plan", required=True, help="what the result was made for: kept in its manifest")
+    parser.add_argument("--attempt", type=int, default=1, metavar="N", help="which attempt in one call of snakemake")
+    parser.add_argument(
+        "--scratch",
+        default="",
+        metavar="DIR",
+        help="write into this folder first, or into the one that this variable of the machine names, as TMPDIR",
+    )
     parser.add_argument("command", nargs=argparse.REMAINDER, help="-- and the command, with @OUT for its folder")
     arguments = parser.parse_args(argv)
     command = arguments.command[1:] if arguments.command[:1] == ["--"] else arguments.command
@@ -230,7 +284,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     _at_death_of_parent(signal.SIGTERM)()
     for signum in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(signum, _interrupt)
-    return run(command, output=arguments.output, failed=arguments.failed, log=Log(arguments.log), plan=arguments.plan)
+    return run(
+        command,
+        output=arguments.output,
+        failed=arguments.failed,
+        log=Log(arguments.log),
+        plan=arguments.plan,
+        attempt=arguments.attempt,
+        scratch=_scratch(arguments.scratch),
+    )
+
+
+def _scratch(text: str) -> Path | None:
+    """A folder, or what a variable of the node names; none where it is not set there."""
+    path = text if text.startswith("/") else os.environ.get(text, "")
+    return Path(path) if path else None
 
 
 if __name__ == "__main__":

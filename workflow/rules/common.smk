@@ -64,9 +64,15 @@ def all_parts(stage):
 
 
 def half_the_cores(wildcards):
-    """Two jobs fill the machine: a segment and a block of the one before, then two blocks."""
-    return max(1, (workflow.cores or 1) // 2)
+    """Two jobs fill the machine: a segment and a block of the one before, then two blocks. Profiles of clusters, where
+    nobody knows the cores of a node before, set threads themselves."""
+    return max(1, (workflow.resource_settings.cores or 1) // 2)
 
 
 def memory(stage):
-    return lambda wildcards: estimate(stage, plan(wildcards).scene)
+    """A job that failed, perhaps since it had too little, gets twice as much when it is tried again."""
+    return lambda wildcards, attempt: estimate(stage, plan(wildcards).scene) * 2 ** (attempt - 1)
+
+
+def attempt_number(wildcards, attempt):
+    return attempt

@@ -20,6 +20,8 @@ rule film:
     threads: 1
     resources:
         mem_mb=memory("film"),
+        attempt=attempt_number,
+        scratch="",
     params:
         spec=film("spec"),
         assets=film("assets"),
@@ -32,6 +34,7 @@ rule film:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
+        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/failed/film"
         " -- {sys.executable:q} -m workflow.film --spec {params.spec:q} --frames-from {input.frames:q}"
         " --simulation {input.simulation:q} --surface {input.surface:q} --out @OUT"

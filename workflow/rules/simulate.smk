@@ -11,6 +11,9 @@ rule simulate:
     threads: half_the_cores
     resources:
         mem_mb=memory("simulate"),
+        attempt=attempt_number,
+        scratch="",
+        arch="auto",
     params:
         spec=segment("spec"),
         frames=segment("frames"),
@@ -26,6 +29,8 @@ rule simulate:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
+        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/simulation/{wildcards.segment}"
         " -- {sys.executable:q} -m sim.segment --spec {params.spec:q} --folder {params.scene_folder:q}"
         " --frames {params.frames} {params.resume:q} --out @OUT --threads {threads}"
+        " --arch {resources.arch}"

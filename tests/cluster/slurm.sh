@@ -1,0 +1,107 @@
+#!/bin/sh
+# A SLURM of this one machine, for tests: munged, slurmctld and slurmd with all their files in one folder, and
+# /etc/slurm/slurm.conf, without which jobs would not know it.
+#
+#   tests/cluster/slurm.sh start DIR
+#   tests/cluster/slurm.sh fail DIR     the node dies with all that runs on it
+#   tests/cluster/slurm.sh repair DIR   the node comes back
+#   tests/cluster/slurm.sh stop DIR
+#
+# Needs root and Debian's slurm-wlm and munge.
+set -eu
+action=$1
+mkdir -p "$2"
+dir=$(cd "$2" && pwd)
+conf=/etc/slurm/slurm.conf
+
+running() { [ -f "$1" ] && kill -0 "$(cat "$1" 2>/dev/null)" 2>/dev/null; }
+
+end() {
+    running "$1" && kill "$(cat "$1")"
+    while running "$1"; do sleep 0.1; done
+    rm -f "$1"
+}
+
+until_state() {
+    for _ in $(seq 100); do
+        case $(sinfo --noheader --format=%T 2>/dev/null) in $1) return ;; esac
+        sleep 0.2
+    done
+    echo "the node is not $1: $(sinfo --noheader --format='%T %E')" >&2
+    exit 1
+}
+
+node() { slurmd -f "$conf" -N node; }
+
+case $action in
+start)
+    if [ -e "$conf" ]; then
+        echo "$conf is there already: this machine has a SLURM" >&2
+        exit 1
+    fi
+    mkdir -p /etc/slurm "$dir/state" "$dir/spool" "$dir/munge"
+    head -c 1024 /dev/urandom >"$dir/munge/key"
+    chown -R munge: "$dir/munge"
+    chmod 700 "$dir/munge"
+    chmod 400 "$dir/munge/key"
+    # Munge refuses sockets and logs in folders that others may write.
+    socket=$(mktemp -d /run/munge-test-XXXXXX)
+    chmod 755 "$socket"
+    echo "$socket" >"$dir/socket"
+    chown munge: "$socket"
+    setpriv --reuid=munge --regid=munge --clear-groups munged --force --key-file="$dir/munge/key" \
+        --socket="$socket/socket" --pid-file="$dir/munge/pid" --log-file="$dir/munge/log" --seed-file="$dir/munge/seed"
+    cat >"$conf" <<END
+ClusterName=one
+SlurmctldHost=$(hostname)(127.0.0.1)
+SlurmUser=root
+AuthType=auth/munge
+AuthInfo=socket=$socket/socket
+CredType=cred/munge
+SlurmctldPort=16817
+SlurmdPort=16818
+StateSaveLocation=$dir/state
+SlurmdSpoolDir=$dir/spool
+SlurmctldPidFile=$dir/slurmctld.pid
+SlurmdPidFile=$dir/slurmd.pid
+SlurmctldLogFile=$dir/slurmctld.log
+SlurmdLogFile=$dir/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core_Memory
+SlurmdTimeout=10
+MinJobAge=300
+ReturnToService=2
+SchedulerParameters=sched_interval=1,batch_sched_delay=0
+NodeName=node NodeHostname=$(hostname) NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk '/^Mem/ {print int($2 * 0.9)}')
+PartitionName=main Nodes=node Default=YES MaxTime=INFINITE State=UP
+END
+    slurmctld -c
+    node
+    until_state idle
+    ;;
+fail)
+    end "$dir/slurmd.pid"
+    for steps in $(pgrep slurmstepd); do pkill -KILL -P "$steps" || true; kill -KILL "$steps" || true; done
+    scontrol update nodename=node state=down reason=test
+    ;;
+repair)
+    node
+    scontrol update nodename=node state=resume
+    until_state '[im]*'
+    ;;
+stop)
+    scancel --user="$(id -un)" 2>/dev/null || true
+    end "$dir/slurmd.pid" || true
+    end "$dir/slurmctld.pid" || true
+    end "$dir/munge/pid" || true
+    rm -rf "$(cat "$dir/socket")" "$conf"
+    ;;
+*)
+    sed -n 2,10p "$0"
+    exit 2
+    ;;
+esac
