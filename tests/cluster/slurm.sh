@@ -39,24 +39,22 @@ start)
         echo "$conf is there already: this machine has a SLURM" >&2
         exit 1
     fi
-    mkdir -p /etc/slurm "$dir/state" "$dir/spool" "$dir/munge"
-    head -c 1024 /dev/urandom >"$dir/munge/key"
-    chown -R munge: "$dir/munge"
-    chmod 700 "$dir/munge"
-    chmod 400 "$dir/munge/key"
-    # Munge refuses sockets and logs in folders that others may write.
-    socket=$(mktemp -d /run/munge-test-XXXXXX)
-    chmod 755 "$socket"
-    echo "$socket" >"$dir/socket"
-    chown munge: "$socket"
-    setpriv --reuid=munge --regid=munge --clear-groups munged --force --key-file="$dir/munge/key" \
-        --socket="$socket/socket" --pid-file="$dir/munge/pid" --log-file="$dir/munge/log" --seed-file="$dir/munge/seed"
+    mkdir -p /etc/slurm "$dir/state" "$dir/spool"
+    # Munge refuses folders that others may write, and does not run as root.
+    munge=$(mktemp -d /run/munge-test-XXXXXX)
+    echo "$munge" >"$dir/munge"
+    head -c 1024 /dev/urandom >"$munge/key"
+    chmod 400 "$munge/key"
+    chmod 755 "$munge"
+    chown -R munge: "$munge"
+    setpriv --reuid=munge --regid=munge --clear-groups munged --force --key-file="$munge/key" \
+        --socket="$munge/socket" --pid-file="$munge/pid" --log-file="$munge/log" --seed-file="$munge/seed"
     cat >"$conf" <<END
 ClusterName=one
 SlurmctldHost=$(hostname)(127.0.0.1)
 SlurmUser=root
 AuthType=auth/munge
-AuthInfo=socket=$socket/socket
+AuthInfo=socket=$munge/socket
 CredType=cred/munge
 SlurmctldPort=16817
 SlurmdPort=16818
@@ -97,8 +95,9 @@ stop)
     scancel --user="$(id -un)" 2>/dev/null || true
     end "$dir/slurmd.pid" || true
     end "$dir/slurmctld.pid" || true
-    end "$dir/munge/pid" || true
-    rm -rf "$(cat "$dir/socket")" "$conf"
+    munge=$(cat "$dir/munge")
+    end "$munge/pid" || true
+    rm -rf "$munge" "$conf"
     ;;
 *)
     sed -n 2,10p "$0"

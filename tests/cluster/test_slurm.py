@@ -17,10 +17,11 @@ ROOT = Path(__file__).resolve().parents[2]
 SLURM = ROOT / "tests" / "cluster" / "slurm.sh"
 SCENE = "tiny/splash"
 PARTS = ("Snakefile", "pyproject.toml", "profiles", "workflow", "sim", "render", "scenes/tiny")
-ON_ONE_MACHINE = """\
-  --slurm-no-account --slurm-status-command squeue --slurm-init-seconds-before-status-checks 3 --latency-wait 10
-  --default-resources slurm_partition=main runtime=20 --set-threads simulate=1 reconstruct=1 render=1
-""".split()
+ONE_THREAD = ["--set-threads", "simulate=1", "reconstruct=1", "render=1"]
+ON_ONE_NODE = [
+    *("--slurm-no-account", "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "3"),
+    *("--default-resources", "slurm_partition=main", "runtime=20", "--latency-wait", "10"),
+]
 
 pytestmark = [
     pytest.mark.slow,
@@ -62,11 +63,11 @@ def files(folder: Path, pattern: str) -> dict[str, bytes]:
 
 def test_a_film_whose_node_fails_is_the_film_of_one_machine(slurm, tmp_path):
     here, there = project(tmp_path / "here"), project(tmp_path / "there")
-    local = snakemake(here, "--cores", "2", "--set-threads", "simulate=1", "reconstruct=1", "render=1")
+    local = snakemake(here, "--cores", "2", *ONE_THREAD)
     text, _ = local.communicate(timeout=600)
     assert local.returncode == 0, text
 
-    farm = snakemake(there, "--workflow-profile", "profiles/slurm", *ON_ONE_MACHINE)
+    farm = snakemake(there, "--workflow-profile", "profiles/slurm", *ON_ONE_NODE, *ONE_THREAD)
     frames = there / "results" / SCENE / "standard" / "frames"
     ends = time.monotonic() + 300
     while not list(frames.glob(".*.partial-*")):

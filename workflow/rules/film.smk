@@ -34,7 +34,7 @@ rule film:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
+        " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/failed/film"
         " -- {sys.executable:q} -m workflow.film --spec {params.spec:q} --frames-from {input.frames:q}"
         " --simulation {input.simulation:q} --surface {input.surface:q} --out @OUT"

@@ -26,7 +26,7 @@ rule reconstruct:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
+        " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/surface/{wildcards.segment}"
         " -- {sys.executable:q} -m workflow.reconstruct --spec {params.spec:q} --simulation {input.particles:q}"
         " --frames {params.frames} --out @OUT --threads {threads}"

@@ -29,7 +29,7 @@ rule render:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
+        " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/frames/{wildcards.block}"
         " -- {sys.executable:q} -m render --spec {params.spec:q} --simulation {input.simulation:q} {params.surface:q}"
         " --frames {params.frames} --fps {params.fps} --out @OUT --threads {threads}"

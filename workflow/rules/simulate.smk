@@ -29,7 +29,7 @@ rule simulate:
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
-        " --attempt {resources.attempt} --scratch {resources.scratch:q}"
+        " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/simulation/{wildcards.segment}"
         " -- {sys.executable:q} -m sim.segment --spec {params.spec:q} --folder {params.scene_folder:q}"
         " --frames {params.frames} {params.resume:q} --out @OUT --threads {threads}"
