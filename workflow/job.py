@@ -34,8 +34,6 @@ PATIENCE = 10.0
 """How long a command may take to end when asked to [s]."""
 NEARLY_FULL = 4 * 1024 * 1024
 """Free space on the disk below which a failure is put down to it [bytes]."""
-VERDICT = ".verdict"
-"""File that says for which plan a command ended in a way that another attempt would not change."""
 MEANINGS = {
     2: "refused its settings",
     3: "stopped the simulation",
@@ -96,7 +94,7 @@ def run(
                     shutil.rmtree(failed, ignore_errors=True)
                 else:
                     _set_aside(partial, failed, code, log)
-                    _judge(failed, plan, code)
+                _judge(failed, plan, code)
                 return code
             finally:
                 shutil.rmtree(partial, ignore_errors=True)
@@ -121,16 +119,22 @@ def _workplace(partial: Path, scratch: Path | None) -> Iterator[Path]:
         shutil.copytree(folder, partial, dirs_exist_ok=True)
 
 
+def _verdict_file(failed: Path) -> Path:
+    return failed.with_name(f"{failed.name}.verdict")
+
+
 def _judge(failed: Path, plan: str, code: int) -> None:
+    """Note for which plan a command ended in a way that another attempt would not change."""
+    _verdict_file(failed).unlink(missing_ok=True)
     if code in MEANINGS:
-        failed.mkdir(parents=True, exist_ok=True)
-        (failed / VERDICT).write_text(f"{code} {plan}\n")
+        failed.parent.mkdir(parents=True, exist_ok=True)
+        _verdict_file(failed).write_text(f"{code} {plan}\n")
 
 
 def _verdict(failed: Path, plan: str) -> int | None:
     """The exit code of an earlier attempt at the same, where it says that another would end the same way."""
     try:
-        code, _, judged = (failed / VERDICT).read_text().strip().partition(" ")
+        code, _, judged = _verdict_file(failed).read_text().strip().partition(" ")
     except OSError:
         return None
     return int(code) if judged == plan and code.isdecimal() and int(code) in MEANINGS else None

@@ -72,6 +72,7 @@ SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
 SlurmdTimeout=10
 MinJobAge=300
+JobRequeue=0
 ReturnToService=2
 SchedulerParameters=sched_interval=1,batch_sched_delay=0
 NodeName=node NodeHostname=$(hostname) NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk '/^Mem/ {print int($2 * 0.9)}')

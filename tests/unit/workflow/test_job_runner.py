@@ -238,3 +238,40 @@ def test_a_folder_without_permission(tmp_path):
         tmp_path.chmod(0o755)
     assert done.returncode == 1
     assert "permission" in done.stderr
+
+
+@pytest.mark.parametrize(("code", "again"), [(2, False), (3, False), (7, True)])
+def test_what_was_refused_or_stopped_is_not_tried_again(tmp_path, code, again):
+    count = tmp_path / "count"
+    command = python(f"import sys; open({str(count)!r}, 'a').write('x'); sys.exit({code})")
+    options = arguments(tmp_path, *command)
+    for attempt in ("1", "2"):
+        extended = [*options[:3], "--attempt", attempt, *options[3:]]
+        done = subprocess.run(extended, cwd=ROOT, capture_output=True, text=True, timeout=60)
+        assert done.returncode == code
+    assert len(count.read_text()) == (2 if again else 1)
+    assert ("not tried again" in done.stderr) is not again
+
+
+def test_another_plan_and_another_call_are_tried(tmp_path):
+    count = tmp_path / "count"
+    options = arguments(tmp_path, *python(f"import sys; open({str(count)!r}, 'a').write('x'); sys.exit(2)"))
+    other = [part.replace("plan 1", "plan 2") for part in options]
+    for command in (options, options, [*other[:3], "--attempt", "2", *other[3:]]):
+        subprocess.run(command, cwd=ROOT, capture_output=True, timeout=60)
+    assert count.read_text() == "xxx"
+
+
+@pytest.mark.parametrize("named", ["folder", "variable", "unset"])
+def test_scratch_is_written_first_and_left_empty(tmp_path, named):
+    scratch, seen = tmp_path / "scratch", tmp_path / "seen"
+    code = f"import sys; open({str(seen)!r}, 'w').write(sys.argv[1]); {WRITE}"
+    options = arguments(tmp_path, *python(code))
+    value = str(scratch) if named == "folder" else "NODES_DISK"
+    environment = {**os.environ, **({"NODES_DISK": str(scratch)} if named == "variable" else {})}
+    command = [*options[:3], f"--scratch={value}", *options[3:]]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "made" / "a.txt").read_text() == "abc" and damage(tmp_path / "made") == ""
+    assert (scratch in Path(seen.read_text()).parents) is (named != "unset")
+    assert not hidden(tmp_path) and not (scratch.exists() and list(scratch.iterdir()))
