@@ -13,14 +13,16 @@ from sim.settings import Refused
 from workflow.aims import AIMS, Aim, aim_of
 from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
-from workflow.plan import RESULTS, Job, Plan
+from workflow.plan import RESULTS, Digests, Job, Plan
 from workflow.presets import QUALITIES
 from workflow.scene import Scene, combination_of, load
 from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.combinations import MARK, Combination, split
 from workflow.wedge.plan import wedge_job
 
-CONFIG_KEYS = ("quality", *(aim.key for aim in AIMS))
+CONFIG_KEYS = ("quality", "keep", *(aim.key for aim in AIMS))
+KEEP = ("all", "film")
+"""What is kept of a film: its parts too, or nothing else."""
 
 
 class Catalog(JobLookup):
@@ -30,12 +32,16 @@ class Catalog(JobLookup):
         super().__init__()
         self._root = root
         self._plans: dict[tuple[str, str | None], Plan] = {}
+        self._digests: Digests = {}
         for key in config:
             if key not in CONFIG_KEYS:
                 stop(f"--config {key}: unknown setting\n  fix: known here: {', '.join(CONFIG_KEYS)}")
         self._quality = config.get("quality")
         if self._quality is not None and self._quality not in QUALITIES:
             stop(f"--config quality={self._quality}: no such preset\n  fix: one of {', '.join(QUALITIES)}")
+        self.keep = config.get("keep", "all")
+        if self.keep not in KEEP:
+            stop(f"--config keep={self.keep}: nothing of that name can be kept\n  fix: one of {', '.join(KEEP)}")
         self._aim = aim_of(config, cores)
         if self._aim is not None:
             self._quality = self._aim.quality
@@ -53,7 +59,7 @@ class Catalog(JobLookup):
                 stop(str(scene.error(refused)))
             same = (name, scene.quality)
             if same not in self._plans:
-                self._plans[same] = Plan(scene, self._root)
+                self._plans[same] = Plan(scene, self._root, self._digests)
             self._plans[key] = self._plans[same]
         return self._plans[key]
 

@@ -62,16 +62,21 @@ class Job:
         return "plan " + hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
 
 
-class Plan:
-    """The jobs of one film. `root` is the folder of the packages sim, render and workflow."""
+Digests = dict[tuple[str, frozenset[str]], str]
+"""Of the source files of a stage, by its module and the materials of a scene."""
 
-    def __init__(self, scene: Scene, root: Path):
+
+class Plan:
+    """The jobs of one film. `root` is the folder of the packages sim, render and workflow; plans that are made at one
+    time may share their digests."""
+
+    def __init__(self, scene: Scene, root: Path, digests: Digests | None = None):
         self.scene = scene
         self.root = root
         self.timeline = Timeline(scene.simulation.fps, scene.last_frame)
         self.results = f"{RESULTS}/{scene.name}/{scene.quality}"
         self._jobs: dict[tuple[str, int], Job] = {}
-        self._digests: dict[tuple[str, frozenset[str]], str] = {}
+        self._digests: Digests = {} if digests is None else digests
 
     @property
     def has_surface(self) -> bool:

@@ -90,7 +90,14 @@ def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (
 
     Raises SceneError, whose text names file, line, field and remedy of every problem.
     """
-    document = written = read(path)
+    return _prepare(read(path), path, quality, overrides, root)
+
+
+def _prepare(
+    written: Document, path: Path, quality: str | None, overrides: Sequence[str], root: Path | None = None
+) -> Scene:
+    """The scene that a file holds as it is written, at a preset and with overrides."""
+    document = written
     if quality is None:
         quality = document.data.get("quality", SceneFile.model_fields["quality"].default)
     if quality not in QUALITIES:
@@ -126,7 +133,7 @@ def combination_of(scene: Scene, name: str, overrides: Sequence[str] = ()) -> Sc
         fix = suggestion(name, known) if known else "give the scene a `wedge:`, or leave out what follows the @"
         raise SceneError([f"{scene.path}: its wedge has no combination '{name}'\n  fix: {fix}"])
     try:
-        found = load(scene.path, quality=scene.quality, overrides=(*overrides, *known[name].overrides))
+        found = _prepare(scene.written, scene.path, scene.quality, (*overrides, *known[name].overrides))
     except SceneError as error:
         mark = scene.document.mark(("wedge",))
         where = f"{mark.source}:{mark.line}: wedge: "

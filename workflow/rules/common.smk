@@ -4,6 +4,11 @@ block = catalog.of("render")
 film = catalog.of("film")
 
 
+def part(folder):
+    """A folder of results that a film is made of."""
+    return temp(directory(folder)) if catalog.keep == "film" else directory(folder)
+
+
 def plan(wildcards):
     return catalog.plan(wildcards.scene, wildcards.get("quality"))
 

@@ -2,7 +2,7 @@ rule reconstruct:
     input:
         particles=particles_of_segment,
     output:
-        folder=directory("results/{scene}/{quality}/surface/{segment}"),
+        folder=part("results/{scene}/{quality}/surface/{segment}"),
     log:
         "results/{scene}/{quality}/logs/surface/{segment}.log",
     benchmark:

@@ -3,7 +3,7 @@ rule render:
         simulation=segment_of_block("simulate"),
         surface=segment_of_block("reconstruct"),
     output:
-        folder=directory("results/{scene}/{quality}/frames/{block}"),
+        folder=part("results/{scene}/{quality}/frames/{block}"),
     log:
         "results/{scene}/{quality}/logs/frames/{block}.log",
     benchmark:

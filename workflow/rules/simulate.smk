@@ -2,7 +2,7 @@ rule simulate:
     input:
         previous=previous_segment,
     output:
-        folder=directory("results/{scene}/{quality}/simulation/{segment}"),
+        folder=part("results/{scene}/{quality}/simulation/{segment}"),
     log:
         "results/{scene}/{quality}/logs/simulation/{segment}.log",
     benchmark:
