@@ -1,0 +1,227 @@
+"""A picture of one frame in seconds, from the files of the simulation and of the surface, without Blender.
+
+    python -m workflow.preview bunny                      the last frame that there is
+    python -m workflow.preview bunny --frame 24           that one, to results/bunny/standard/preview/00024.png
+    python -m workflow.preview bunny --particles          the particles, also where the surface is there
+    python -m workflow.preview scenes/bunny.yaml --simulation out --out frame.png
+
+The camera is that of the film. Particles are coloured by their speed, from dark to bright; the picture says how fast.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from render.axes import z_up, z_up_columns
+from render.errors import RenderError, Unusable
+from render.framing import View, view_of
+from render.inputs import Inputs
+from render.ply import read_mesh
+from sim.settings import Refused
+from workflow.document import SceneError
+from workflow.plan import Plan
+from workflow.ply import BadPly, columns, read_points
+from workflow.presets import QUALITIES
+from workflow.scene import Scene, load
+from workflow.shelf import SCENE_FILES
+
+WATER, CLOTH, CONTAINER = "#3f8fb5", "#b23a48", "#8a949b"
+BODIES = ("#e4572e", "#f3a712", "#669bbc", "#a8c686", "#8d6a9f")
+BACKGROUND = ("#e9e6df", "#b9cbd6")
+"""Below and above."""
+PAINT = ("red", "green", "blue")
+WIDTH = 960
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where the files of one frame are."""
+
+    number: int
+    simulation: Path
+    surface: Path | None
+
+
+def frames(simulations: list[Path], surfaces: list[Path]) -> dict[int, Frame]:
+    """All frames of which a simulation left files, by number."""
+    meshed = {_number(path): path.parent for folder in surfaces for path in folder.glob("surface_*.ply")}
+    found = {}
+    for folder in simulations:
+        numbers = {_number(path) for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern)}
+        if not numbers and (folder / "bodies.csv").exists():
+            rows = (folder / "bodies.csv").read_text().splitlines()[1:]
+            numbers = {int(row.partition(",")[0]) for row in rows}
+        found |= {number: Frame(number, folder, meshed.get(number)) for number in sorted(numbers)}
+    return found
+
+
+def draw(
+    scene: Scene, frame: Frame, out: Path, *, particles: bool = False, size: tuple[int, int] | None = None
+) -> None:
+    """Write the picture of a frame; raises Unusable and BadPly for files that can not be drawn."""
+    import pyvista
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    # It warns wherever there is no display.
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    width, height = scene.render.resolution
+    size = (WIDTH, round(WIDTH * height / width))
+    inputs = Inputs(frame.simulation, frame.surface)
+    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+    plotter.enable_anti_aliasing("msaa")
+    plotter.set_background(BACKGROUND[0], top=BACKGROUND[1])
+    for path in inputs.containers().values():
+        points, triangles = _mesh(path)
+        edges = pyvista.make_tri_mesh(points, triangles).extract_feature_edges(30)
+        plotter.add_mesh(edges, color=CONTAINER, line_width=2)
+    poses = inputs.poses([frame.number])[frame.number]
+    for index, (name, path) in enumerate(inputs.bodies().items()):
+        points, triangles = _mesh(path)
+        if name in poses:
+            points = points @ _rotation(poses[name].rotation).T + poses[name].position
+            color = _color(scene, name, _painted(path) or BODIES[index % len(BODIES)])
+            _add(plotter, points, triangles, color)
+    for name in inputs.sheets():
+        path = inputs.sheet(name, frame.number)
+        if path is not None:
+            _add(plotter, *_mesh(path), _color(scene, name, CLOTH))
+    surface, colours = inputs.water(frame.number), ""
+    fluid = frame.simulation / f"fluid_{frame.number:05d}.ply"
+    if surface is not None and not particles:
+        _add(plotter, *_mesh(surface), WATER)
+    elif fluid.exists():
+        colours = _add_particles(plotter, fluid, scene.simulation.fluid.particle_radius)
+    _place(plotter.camera, view_of(scene.render.camera, inputs.extent(), size))
+    plotter.add_text(f"{scene.name}  frame {frame.number}{colours}", font_size=9, color="#333333")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    plotter.screenshot(out)
+    plotter.close()
+
+
+def _add(plotter: Any, points: np.ndarray, triangles: np.ndarray, color: Any) -> None:
+    import pyvista
+
+    if len(triangles):
+        mesh = pyvista.make_tri_mesh(points, triangles)
+        look = {"color": color}
+        if isinstance(color, list):
+            mesh["paint"] = np.column_stack(color).astype(np.uint8)
+            look = {"scalars": "paint", "rgb": True}
+        plotter.add_mesh(mesh, **look, smooth_shading=True, split_sharp_edges=True, specular=0.3)
+
+
+def _add_particles(plotter: Any, path: Path, radius: float) -> str:
+    """Draw particles; returns what their colours mean."""
+    import pyvista
+
+    points = read_points(path)
+    if not len(points):
+        return ""
+    cloud = pyvista.PolyData(z_up_columns(*(points[axis] for axis in "xyz")).reshape(-1, 3))
+    speed = np.linalg.norm(columns(points, ("vx", "vy", "vz")), axis=1)
+    fastest = max(float(np.percentile(speed, 99)), 1e-3)
+    actor = plotter.add_mesh(
+        cloud,
+        scalars=speed,
+        clim=(0.0, fastest),
+        cmap="YlGnBu_r",
+        style="points_gaussian",
+        emissive=False,
+        render_points_as_spheres=True,
+        show_scalar_bar=False,
+    )
+    actor.mapper.scale_factor = radius
+    return f"  speed 0 to {fastest:.2g} m/s"
+
+
+def _mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Points, z up [m], shape [n, 3], and triangles."""
+    mesh = read_mesh(path)
+    points = z_up_columns(*(np.asarray(mesh.columns[axis]) for axis in "xyz")).reshape(-1, 3)
+    return points, np.asarray(mesh.triangles, dtype=np.int64).reshape(-1, 3)
+
+
+def _painted(path: Path) -> Any:
+    """Colours of the vertices, from 0 to 255, where the file has them."""
+    mesh = read_mesh(path)
+    return [mesh.columns[name] for name in PAINT] if mesh.has(*PAINT) else None
+
+
+def _color(scene: Scene, name: str, default: str) -> Any:
+    """That of a thing's look, in the colours of the screen."""
+    linear = getattr(scene.render.materials.get(name), "color", None)
+    if linear is None:
+        return default
+    values = np.clip(linear, 0, 1)
+    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)
+
+
+def _place(camera: Any, view: View) -> None:
+    camera.position, camera.focal_point, camera.up = view.position, view.target, z_up((0, 1, 0))
+    camera.view_angle = np.degrees(view.height_angle)
+
+
+def _rotation(quaternion: tuple[float, float, float, float]) -> np.ndarray:
+    w, x, y, z = quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def _number(path: Path) -> int:
+    return int(re.search(r"_(\d+)\.ply$", path.name)[1])
+
+
+def unfinished(folder: Path) -> Iterator[Path]:
+    """Folders of the parts beside each other in `folder` that are there, and of those that are being made."""
+    yield from sorted(path for path in folder.glob("[0-9]*") if path.is_dir())
+    yield from sorted(folder.glob(".*.partial-*"))
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m workflow.preview", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("scene", help="name of a scene, as bunny, or its file")
+    parser.add_argument("--frame", type=int, metavar="N", help="default: the last that there is")
+    parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
+    parser.add_argument("--simulation", type=Path, metavar="DIR", help="what `python -m sim run` left, not a film's")
+    parser.add_argument("--particles", action="store_true", help="draw particles also where there is a surface")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="the picture, as frame.png")
+    options = parser.parse_args(arguments)
+    try:
+        path = Path(options.scene)
+        scene = load(path if path.suffix else SCENE_FILES.find(options.scene), quality=options.quality)
+        results = Path(Plan(scene, Path(__file__).parents[1]).results)
+        simulations = [options.simulation] if options.simulation else [*unfinished(results / "simulation")]
+        surfaces = [] if options.simulation else [*unfinished(results / "surface")]
+        known = frames(simulations, surfaces)
+        if not known:
+            where = options.simulation or results / "simulation"
+            raise Unusable(f"there are no frames in {where}: simulate the scene first")
+        number = max(known) if options.frame is None else options.frame
+        if number not in known:
+            raise Unusable(f"there is no frame {number}: there are {min(known)} to {max(known)}")
+        out = options.out or results / "preview" / f"{number:05d}.png"
+        draw(scene, known[number], out, particles=options.particles)
+    except (SceneError, Refused, RenderError, BadPly, OSError) as error:
+        print(f"preview: {error}", file=sys.stderr)
+        return 2
+    print(out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
