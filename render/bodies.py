@@ -6,9 +6,9 @@ from typing import Any
 
 from mathutils import Quaternion, Vector
 
-from render.blender import bpy
 from render.inputs import Pose
 from render.meshes import add_object, build_mesh, sharpen
+from render.motion import blur, forget
 from render.ply import TriangleMesh
 
 
@@ -27,25 +27,15 @@ class Body:
         `exposure` is that time in frames, centred on the frame; 0 is without motion blur.
         """
         self.thing.hide_render = pose is None
-        self._forget_motion()
         if pose is None:
+            forget(self.thing)
             return
-        moving = exposure > 0 and any((*pose.velocity, *pose.angular_velocity))
-        for offset in (-exposure / 2, exposure / 2, 0.0) if moving else (0.0,):
+
+        def place(offset: float) -> None:
             seconds = offset / fps
             turn = Vector(pose.angular_velocity) * seconds
             self.thing.location = Vector(pose.position) + Vector(pose.velocity) * seconds
             self.thing.rotation_quaternion = Quaternion(turn, turn.length) @ Quaternion(pose.rotation)
-            if moving:
-                self.thing.keyframe_insert("location", frame=frame + offset)
-                self.thing.keyframe_insert("rotation_quaternion", frame=frame + offset)
-        if moving:
-            for curve in self.thing.animation_data.action.fcurves:
-                for key in curve.keyframe_points:
-                    key.interpolation = "LINEAR"
 
-    def _forget_motion(self) -> None:
-        if self.thing.animation_data is not None:
-            action = self.thing.animation_data.action
-            self.thing.animation_data_clear()
-            bpy.data.actions.remove(action)
+        moving = any((*pose.velocity, *pose.angular_velocity))
+        blur(self.thing, frame, exposure if moving else 0.0, place, ("location", "rotation_quaternion"))

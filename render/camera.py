@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
-from mathutils import Matrix
+from mathutils import Matrix, Quaternion
 
 from render.axes import Vector, z_up
 from render.blender import bpy
 from render.framing import FULL_FRAME, View, rotation_matrix
+from render.motion import blur
 
 
 def face(thing: Any, position: Vector, toward: Vector) -> None:
@@ -17,20 +19,46 @@ def face(thing: Any, position: Vector, toward: Vector) -> None:
     thing.matrix_world = Matrix.Translation(position) @ Matrix(rotation_matrix(toward)).to_4x4()
 
 
-def add_camera(settings: Any, view: View) -> None:
-    """Add the scene's camera."""
-    lens = bpy.data.cameras.new("camera")
-    lens.sensor_fit = "AUTO"
-    lens.sensor_width = 1000 * FULL_FRAME
-    lens.angle = max(view.width_angle, view.height_angle)
-    distance = math.dist(view.position, view.target)
-    lens.clip_start, lens.clip_end = distance / 1000, distance * 1000
-    if settings.depth_of_field is not None:
-        focus = settings.depth_of_field.focus
-        lens.dof.use_dof = True
-        lens.dof.aperture_fstop = settings.depth_of_field.f_stop
-        lens.dof.focus_distance = view.project(z_up(focus))[2] if focus else distance
-    camera = bpy.data.objects.new("camera", lens)
-    face(camera, view.position, tuple(p - q for p, q in zip(view.position, view.target, strict=True)))
-    bpy.context.scene.collection.objects.link(camera)
-    bpy.context.scene.camera = camera
+class Camera:
+    """The scene's camera; `view_at` gives its view at a time [s]."""
+
+    def __init__(self, settings: Any, view_at: Callable[[float], View]):
+        self._settings = settings
+        self._view_at = view_at
+        self._lens = bpy.data.cameras.new("camera")
+        self._lens.sensor_fit = "AUTO"
+        self._lens.sensor_width = 1000 * FULL_FRAME
+        self._thing = bpy.data.objects.new("camera", self._lens)
+        self._thing.rotation_mode = "QUATERNION"
+        bpy.context.scene.collection.objects.link(self._thing)
+        bpy.context.scene.camera = self._thing
+
+    def show(self, frame: int, exposure: float, fps: float) -> None:
+        """Stand where the settings say, and move on while the shutter is open, `exposure` frames long."""
+        before: Quaternion | None = None
+
+        def place(offset: float) -> None:
+            nonlocal before
+            view = self._view_at((frame + offset) / fps)
+            rotation = Matrix(rotation_matrix(_minus(view.position, view.target))).to_quaternion()
+            if before is not None:
+                rotation.make_compatible(before)
+            self._thing.location, self._thing.rotation_quaternion, before = view.position, rotation, rotation
+
+        moving = exposure if self._settings.keyframes else 0.0
+        blur(self._thing, frame, moving, place, ("location", "rotation_quaternion"))
+        self._focus(self._view_at(frame / fps))
+
+    def _focus(self, view: View) -> None:
+        lens, depth = self._lens, self._settings.depth_of_field
+        lens.angle = max(view.width_angle, view.height_angle)
+        distance = math.dist(view.position, view.target)
+        lens.clip_start, lens.clip_end = distance / 1000, distance * 1000
+        if depth is not None:
+            lens.dof.use_dof = True
+            lens.dof.aperture_fstop = depth.f_stop
+            lens.dof.focus_distance = view.project(z_up(depth.focus))[2] if depth.focus else distance
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return tuple(p - q for p, q in zip(a, b, strict=True))

@@ -33,6 +33,7 @@ def configure(settings: Any, threads: int | None, fps: float) -> tuple[Device, l
     if threads is not None:
         scene.render.threads_mode, scene.render.threads = "FIXED", threads
     _light_paths(scene.cycles, settings)
+    _passes(bpy.context.view_layer, settings.passes)
     warnings = [*_denoise(scene.cycles, settings.denoise), *_colors(scene.view_settings, settings)]
     return _device(scene, settings), warnings
 
@@ -53,12 +54,22 @@ def _picture(render: Any, settings: Any, fps: float) -> None:
         setattr(render, stamp, False)
 
 
+def _passes(layer: Any, wanted: list[str]) -> None:
+    layer.use_pass_z = "depth" in wanted
+    layer.use_pass_normal = "normal" in wanted
+    layer.use_pass_vector = "motion" in wanted
+    layer.use_pass_cryptomatte_object = "objects" in wanted
+    layer.use_pass_cryptomatte_material = "materials" in wanted
+    # Without any stamp Blender leaves out Cryptomatte's names, too.
+    bpy.context.scene.render.use_stamp_frame = bool({"objects", "materials"} & set(wanted))
+
+
 def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.samples = settings.samples
     cycles.use_adaptive_sampling = settings.noise_threshold > 0
     cycles.adaptive_threshold = settings.noise_threshold
     cycles.seed = settings.seed
-    cycles.use_animated_seed = False
+    cycles.use_animated_seed = settings.animated_seed
     cycles.max_bounces = settings.bounces
     cycles.transmission_bounces = settings.bounces
     cycles.transparent_max_bounces = settings.bounces
@@ -67,7 +78,7 @@ def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.volume_bounces = 0
     # clear looks let light through by straight rays instead: see looks/refraction.py
     cycles.caustics_reflective = cycles.caustics_refractive = False
-    cycles.sample_clamp_indirect = 10.0
+    cycles.sample_clamp_indirect = settings.firefly_clamp
 
 
 def _denoise(cycles: Any, wanted: bool) -> list[str]:

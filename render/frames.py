@@ -15,7 +15,7 @@ from render.engine import configure
 from render.errors import RenderError
 from render.inputs import Inputs
 from render.job import Job, Report
-from render.pictures import save_picture
+from render.pictures import passes_beside, save_picture
 from render.scene import Scene, plain
 
 
@@ -58,8 +58,9 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
                     scene.show(frame, poses[frame], meshes)
                 if job.save_blend and frame == job.first:
                     _save_blend(Path(job.save_blend))
-                with clock.phase("render"):
-                    _render()
+                passes = Path(job.out) / f"{frame:05d}.exr"
+                with clock.phase("render"), passes_beside(passes, bool(settings.passes)):
+                    _render(to_file=bool(settings.passes))
                 with clock.phase("write"):
                     save_picture(Path(job.out) / f"{frame:05d}.png")
             if meshes.get("water") is not None and len(meshes["water"].triangles) == 0:
@@ -81,9 +82,9 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
     }
 
 
-def _render() -> None:
+def _render(to_file: bool) -> None:
     try:
-        check(bpy.ops.render.render(), "rendering")
+        check(bpy.ops.render.render(write_still=to_file), "rendering")
     except RuntimeError as error:
         raise RenderError(f"Blender could not render: {error}") from error
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import bisect
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from render.axes import Vector, z_up
@@ -69,14 +71,44 @@ def frame_box(
     return View(_sum(target, _scaled(back, distance)), target, width_angle, height_angle)
 
 
-def view_of(camera: object, box: Box | None, resolution: tuple[int, int]) -> View:
-    """The view that the camera's settings ask for; `box` may be None for a placed camera."""
+def view_of(camera: object, box: Box | None, resolution: tuple[int, int], time: float = 0.0) -> View:
+    """The view that the camera's settings ask for at a time [s]; `box` may be None for a placed camera."""
     field_of_view = camera.field_of_view
     if camera.focal_length is not None:
         field_of_view = math.degrees(2 * math.atan(FULL_FRAME / 2 / camera.focal_length))
+    if camera.keyframes:
+        position, target, (field_of_view,) = _moved(camera.keyframes, field_of_view, time)
+        return View(z_up(position), z_up(target), *angles(resolution, field_of_view))
     if camera.position is not None:
         return View(z_up(camera.position), z_up(camera.target), *angles(resolution, field_of_view))
     return frame_box(box, direction(camera.azimuth, camera.elevation), resolution, field_of_view, camera.margin)
+
+
+def _moved(keyframes: Sequence[object], field_of_view: float, time: float) -> list[tuple[float, ...]]:
+    """Position, target and field of view between keyframes: a cubic Hermite curve through them whose slopes are those
+    of Catmull and Rom (1974), and zero at both ends, so that the camera sets off and comes to rest softly."""
+    times = [key.at for key in keyframes]
+    time = min(max(time, times[0]), times[-1])
+    end = min(bisect.bisect_right(times, time), len(times) - 1)
+    start = end - 1
+    length = times[end] - times[start]
+    share = (time - times[start]) / length
+    square, cube = share**2, share**3
+    values = [(*key.position, *key.target, key.field_of_view or field_of_view) for key in keyframes]
+
+    def slope(index: int) -> tuple[float, ...]:
+        if index in (0, len(times) - 1):
+            return (0.0,) * 7
+        interval = times[index + 1] - times[index - 1]
+        return _scaled(_minus(values[index + 1], values[index - 1]), 1 / interval)
+
+    found = _sum(
+        _scaled(values[start], 2 * cube - 3 * square + 1),
+        _scaled(slope(start), length * (cube - 2 * square + share)),
+        _scaled(values[end], 3 * square - 2 * cube),
+        _scaled(slope(end), length * (cube - square)),
+    )
+    return [found[:3], found[3:6], found[6:]]
 
 
 def _axes(back: Vector) -> tuple[Vector, Vector, Vector]:

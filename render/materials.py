@@ -7,7 +7,7 @@ from typing import Any
 
 from render.blender import bpy
 from render.looks import LOOKS
-from render.nodes import Graph
+from render.nodes import Graph, rgba
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
 """Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
@@ -22,6 +22,8 @@ def make_material(name: str, look: Any, size: float, tinted: bool = False) -> An
     material = bpy.data.materials.new(name)
     graph = Graph.new(material)
     surface, volume = LOOKS[look.type](graph, look, size)
+    for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
+        graph.override(key, rgba(value) if isinstance(value, list) else value)
     output = graph.node("OutputMaterial", {"Surface": surface})
     if volume is not None:
         graph.feed(output, "Volume", volume)

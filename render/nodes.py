@@ -62,6 +62,15 @@ class Graph:
         else:
             socket.default_value = value
 
+    def override(self, key: str, value: Any) -> None:
+        """Set an input of every Principled BSDF, in place of what it was linked to."""
+        for node in (node for node in self.tree.nodes if node.type == "BSDF_PRINCIPLED"):
+            socket = node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
+            if socket is not None:
+                for link in socket.links:
+                    self.tree.links.remove(link)
+                socket.default_value = value
+
     def tint(self) -> Any:
         """The colour that the mesh has there."""
         return self.node("Attribute", attribute_name=TINT).outputs["Color"]

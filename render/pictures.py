@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import struct
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from render.blender import bpy
 from render.errors import RenderError
@@ -33,6 +36,35 @@ def save_picture(path: Path) -> None:
         raise RenderError(f"can not write {path}: {reason}. Is the folder writable, and is the disk full?") from error
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def passes_beside(path: Path, wanted: bool) -> Iterator[None]:
+    """While a frame is rendered, have Blender write its passes, linear light and all, to `path` in OpenEXR; under its
+    name only once it is complete. Raises RenderError."""
+    if not wanted:
+        yield
+        return
+    render = bpy.context.scene.render
+    part = path.with_name(f".{path.stem}.part.exr")
+    picture = render.image_settings.file_format, render.image_settings.color_mode, render.image_settings.color_depth
+    render.filepath = str(part)
+    _format(render.image_settings, "OPEN_EXR_MULTILAYER", "RGB", "32")
+    render.image_settings.exr_codec = "ZIP"
+    try:
+        yield
+        if not part.exists():
+            raise RenderError(f"can not write {path}. Is the folder writable, and is the disk full?")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+        _format(render.image_settings, *picture)
+
+
+def _format(settings: Any, file_format: str, color_mode: str, color_depth: str) -> None:
+    settings.file_format = file_format
+    settings.color_mode = color_mode
+    settings.color_depth = color_depth
 
 
 def without_metadata(png: bytes) -> bytes:

@@ -8,7 +8,7 @@ from typing import Any
 from render.axes import z_up
 from render.blender import bpy
 from render.bodies import Body
-from render.camera import add_camera
+from render.camera import Camera
 from render.containers import add_container, wall_thickness
 from render.errors import Unusable
 from render.framing import view_of
@@ -52,6 +52,7 @@ class Scene:
     def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
         """Bring everything to where it is in a frame."""
         exposure = self.settings.shutter if self.settings.motion_blur else 0.0
+        self._camera.show(frame, exposure, self.fps)
         for name, body in self._bodies.items():
             body.show(poses.get(name), frame, exposure, self.fps)
         for name, (thing, material) in self._moving_meshes.items():
@@ -67,7 +68,9 @@ class Scene:
     def _add_surroundings(self, visible: Box) -> None:
         settings = self.settings
         view = view_of(settings.camera, visible, settings.resolution)
-        add_camera(settings.camera, view)
+        self._camera = Camera(
+            settings.camera, lambda time: view_of(settings.camera, visible, settings.resolution, time)
+        )
         add_lights(settings.lights)
         add_world(settings.lights.environment, settings.background)
         if settings.ground.enabled:

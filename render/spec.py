@@ -6,15 +6,17 @@ Lengths are in metres and y is up, as in the simulation. A direction is given by
 
 from __future__ import annotations
 
+import itertools
 from typing import Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BeforeValidator, Field, model_validator
+from annotated_types import Ge, Gt, Le, Len, Lt
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from render.color import Color, srgb
 from sim.settings import Name, Settings
-from sim.units import Angle, Dimensionless, Length, Position, PositiveLength, Unit
+from sim.similar import suggestion
+from sim.units import Angle, Dimensionless, Duration, Length, Position, PositiveLength, Unit
 
 Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
 Elevation = Annotated[Angle, Ge(-89), Le(89)]
@@ -39,7 +41,36 @@ class Water(Settings):
     """0 is a mirror-smooth surface."""
 
 
-class Plastic(Settings):
+PRINCIPLED_COLORS = ("Base Color", "Specular Tint", "Coat Tint", "Sheen Tint", "Emission Color")
+PRINCIPLED_NUMBERS = (
+    *("Metallic", "Roughness", "IOR", "Alpha", "Diffuse Roughness"),
+    *("Subsurface Weight", "Subsurface Scale", "Subsurface IOR", "Subsurface Anisotropy"),
+    *("Specular IOR Level", "Anisotropic", "Anisotropic Rotation", "Transmission Weight"),
+    *("Coat Weight", "Coat Roughness", "Coat IOR", "Sheen Weight", "Sheen Roughness"),
+    *("Emission Strength", "Thin Film Thickness", "Thin Film IOR"),
+)
+
+
+class PrincipledLook(Settings):
+    """A look that Blender's Principled BSDF makes."""
+
+    principled: dict[str, Dimensionless | Color] = {}
+    """Inputs of Blender's Principled BSDF by their names in Blender, in place of what the look gives them, as
+    `{Coat Weight: 1, Emission Color: "#ff8800", Emission Strength: 3}`."""
+
+    @field_validator("principled")
+    @classmethod
+    def _inputs_that_it_has(cls, values: dict[str, Any]) -> dict[str, Any]:
+        for name, value in values.items():
+            if name not in PRINCIPLED_COLORS + PRINCIPLED_NUMBERS:
+                close = suggestion(name, PRINCIPLED_COLORS + PRINCIPLED_NUMBERS)
+                raise ValueError(f"the Principled BSDF has no input '{name}' that can be set: {close}")
+            if isinstance(value, tuple) is not (name in PRINCIPLED_COLORS):
+                raise ValueError(f"{name} is a {'colour' if name in PRINCIPLED_COLORS else 'number'}")
+        return values
+
+
+class Plastic(PrincipledLook):
     """A coloured body under a clear, slightly glossy coat."""
 
     type: Literal["plastic"]
@@ -49,7 +80,7 @@ class Plastic(Settings):
     """0 is a mirror-smooth surface."""
 
 
-class Metal(Settings):
+class Metal(PrincipledLook):
     """Bare metal."""
 
     type: Literal["metal"]
@@ -59,7 +90,7 @@ class Metal(Settings):
     """0 is a mirror, 0.25 brushed, 0.5 cast."""
 
 
-class Stone(Settings):
+class Stone(PrincipledLook):
     """Rough stone with grains and stains."""
 
     type: Literal["stone"]
@@ -77,7 +108,7 @@ class Matte(Settings):
     color: Color = srgb("#d9d5cc")
 
 
-class ClothLook(Settings):
+class ClothLook(PrincipledLook):
     """Woven cloth: soft, with a sheen at grazing angles, letting some light through."""
 
     type: Literal["cloth"]
@@ -123,13 +154,35 @@ class DepthOfField(Settings):
     """The point in focus [m]; without it, what the camera looks at."""
 
 
+class CameraKeyframe(Settings):
+    """Where the camera is at one time."""
+
+    at: Duration
+    """Simulated time [s]."""
+    position: Position
+    """Where it stands [m]."""
+    target: Position
+    """What it looks at [m]."""
+    field_of_view: Annotated[Angle, Gt(1), Lt(170)] | None = None
+    """Across the longer side of the picture; without it, that of the camera."""
+
+    @model_validator(mode="after")
+    def _faces_a_direction(self) -> Self:
+        if self.position == self.target:
+            raise ValueError("position and target must differ")
+        return self
+
+
 class Camera(Settings):
-    """Placed by `position` and `target`; without them it frames the box of the action by itself."""
+    """Placed by `position` and `target`, or moved by `keyframes`; without them it frames the box of the action by
+    itself."""
 
     position: Position | None = None
     """Where the camera stands [m]."""
     target: Position | None = None
     """What it looks at [m]."""
+    keyframes: Annotated[tuple[CameraKeyframe, ...], Len(0, 1000)] = ()
+    """A camera that moves: smoothly through these places, softly from the first and to the last."""
     azimuth: Angle = 24.0
     """Automatic framing: from which side it looks; 0 deg is from the front (+z), 90 deg from the right (+x)."""
     elevation: Elevation = 17.0
@@ -147,12 +200,20 @@ class Camera(Settings):
     def _placed_or_automatic(self) -> Self:
         if (self.position is None) != (self.target is None):
             raise ValueError("position and target belong together: give both, or neither for automatic framing")
-        if self.position is not None:
-            if self.position == self.target:
+        if len(self.keyframes) == 1:
+            raise ValueError("one keyframe is no move: give two or more, or position and target")
+        if any(early.at >= late.at for early, late in itertools.pairwise(self.keyframes)):
+            raise ValueError("the times of the keyframes must grow")
+        if self.keyframes and self.position is not None:
+            raise ValueError("keyframes and position exclude each other")
+        if self.position is not None or self.keyframes:
+            if self.position is not None and self.position == self.target:
                 raise ValueError("position and target must differ")
             idle = _changed(self, "azimuth", "elevation", "margin")
             if idle:
-                raise ValueError(f"{', '.join(idle)} of the automatic framing and position exclude each other")
+                raise ValueError(
+                    f"{', '.join(idle)} of the automatic framing and a camera that is placed exclude each other"
+                )
         if self.focal_length is not None and _changed(self, "field_of_view"):
             raise ValueError("field_of_view and focal_length exclude each other")
         return self
@@ -290,7 +351,17 @@ class RenderSpec(Settings):
     denoise: bool = True
     """Smooth what noise is left (Open Image Denoise)."""
     seed: Annotated[int, Ge(0), Lt(2**31)] = 0
-    """Of the noise pattern, the same in all frames."""
+    """Of the noise pattern."""
+    animated_seed: bool = False
+    """Another noise pattern in each frame: noise that is left then flickers like film grain, instead of hanging before
+    the picture like a dirty window."""
+    firefly_clamp: Annotated[Dimensionless, Ge(0), Le(1e6)] = 10.0
+    """Brightest light of a path after its first bounce: the lower, the fewer single bright pixels, and the dimmer what
+    light reaches by mirrors and water; 0 lets all through."""
+    passes: tuple[Literal["depth", "normal", "motion", "objects", "materials"], ...] = ()
+    """For compositing: written beside each picture as `00042.exr`, OpenEXR with many layers, in linear light and 32
+    bits. `depth` [m], `normal`; `motion` between frames [px], only without motion blur; `objects` and `materials` as
+    Cryptomatte."""
     bounces: Annotated[int, Ge(2), Le(128)] = 12
     """Surfaces that a light path crosses at most; too few make drops and thin sheets of water black."""
     motion_blur: bool = True
@@ -317,6 +388,12 @@ class RenderSpec(Settings):
     walls: Walls = Walls()
     materials: Annotated[dict[Name, Look], Field(default_factory=dict)]
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""
+
+    @model_validator(mode="after")
+    def _passes_can_be_had(self) -> Self:
+        if "motion" in self.passes and self.motion_blur:
+            raise ValueError("the pass motion needs motion_blur: false")
+        return self
 
     @model_validator(mode="after")
     def _background_exists(self) -> Self:

@@ -85,7 +85,7 @@ def run(
 
 
 def _copy_frames(blocks: Sequence[Path], target: Path, last_frame: int) -> list[Path]:
-    """Copies of the frames 0 to `last_frame`, in order."""
+    """Copies of the frames 0 to `last_frame`, in order, and of their passes beside them."""
     found = {path.name: path for block in blocks for path in block.glob("*.png")}
     names = [f"{frame:05d}.png" for frame in range(last_frame + 1)]
     missing = [name for name in names if name not in found]
@@ -96,6 +96,9 @@ def _copy_frames(blocks: Sequence[Path], target: Path, last_frame: int) -> list[
             remedy="render them first",
         )
     target.mkdir(parents=True, exist_ok=True)
+    for passes in (found[name].with_suffix(".exr") for name in names):
+        if passes.exists():
+            shutil.copyfile(passes, target / passes.name)
     return [Path(shutil.copyfile(found[name], target / name)) for name in names]
 
 

@@ -74,6 +74,7 @@ def draw(
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     width, height = scene.render.resolution
     size = (WIDTH, round(WIDTH * height / width))
+    time = frame.number / scene.simulation.fps
     inputs = Inputs(frame.simulation, frame.surface)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.enable_anti_aliasing("msaa")
@@ -99,7 +100,7 @@ def draw(
         _add(plotter, *_mesh(surface), WATER)
     elif fluid.exists():
         colours = _add_particles(plotter, fluid, scene.simulation.fluid.particle_radius)
-    _place(plotter.camera, view_of(scene.render.camera, inputs.extent(), size))
+    _place(plotter.camera, view_of(scene.render.camera, inputs.extent(), size, time))
     plotter.add_text(f"{scene.name}  frame {frame.number}{colours}", font_size=9, color="#333333")
     out.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(out)
@@ -156,12 +157,8 @@ def _painted(path: Path) -> Any:
 
 
 def _color(scene: Scene, name: str, default: str) -> Any:
-    """That of a thing's look, in the colours of the screen."""
-    linear = getattr(scene.render.materials.get(name), "color", None)
-    if linear is None:
-        return default
-    values = np.clip(linear, 0, 1)
-    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)
+    """That of a thing's look."""
+    return getattr(scene.render.materials.get(name), "color", None) or default
 
 
 def _place(camera: Any, view: View) -> None:

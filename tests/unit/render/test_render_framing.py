@@ -2,7 +2,8 @@
 
 import pytest
 
-from render.framing import direction, frame_box
+from render.axes import z_up
+from render.framing import direction, frame_box, view_of
 from render.inputs import Box
 
 BOXES = [
@@ -35,16 +36,42 @@ def test_the_view_agrees_with_blender():
     from bpy_extras.object_utils import world_to_camera_view
     from mathutils import Vector
 
-    from render.camera import add_camera
-    from render.spec import Camera
+    from render.camera import Camera
+    from render.spec import Camera as CameraSettings
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = 640, 360
     view = frame_box(BOXES[0], direction(24, 17), (640, 360), 32.0, 0.1)
-    add_camera(Camera(), view)
+    Camera(CameraSettings(), lambda time: view).show(0, 0.5, 24.0)
     bpy.context.view_layer.update()
     for corner in BOXES[0].corners():
         across, upward, depth = view.project(corner)
         found = world_to_camera_view(scene, scene.camera, Vector(corner))
         assert tuple(found) == pytest.approx(((across + 1) / 2, (upward + 1) / 2, depth), abs=1e-4)
+
+
+def moved(*keyframes, time):
+    from render.spec import Camera as CameraSettings
+
+    settings = CameraSettings(keyframes=[{"at": at, "position": p, "target": t} for at, p, t in keyframes])
+    return view_of(settings, None, (640, 360), time)
+
+
+def test_a_camera_that_moves_goes_through_its_keyframes_and_rests_at_both_ends():
+    """Closed forms: a Hermite curve goes through its points; between two with slopes 0 it is 3 s^2 - 2 s^3."""
+    keys = (0.0, (0, 1, 4), (0, 0, 0)), (2.0, (4, 1, 0), (1, 0, 0)), (3.0, (4, 3, -2), (1, 1, 0))
+    for at, position, target in keys:
+        view = moved(*keys, time=at)
+        assert view.position == pytest.approx(z_up(position)) and view.target == pytest.approx(z_up(target))
+    assert moved(*keys, time=-1).position == moved(*keys, time=0).position
+    assert moved(*keys, time=9).position == moved(*keys, time=3).position
+    for share in (0.25, 0.5, 0.9):
+        step = 3 * share**2 - 2 * share**3
+        view = moved(*keys[:2], time=2 * share)
+        assert view.position == pytest.approx(z_up((4 * step, 1, 4 - 4 * step)))
+    h = 1e-4
+    before, at, after = (moved(*keys, time=2 + offset).position for offset in (-h, 0, h))
+    slopes = [[(b - a) / h for a, b in zip(*pair, strict=True)] for pair in ((before, at), (at, after))]
+    assert slopes[0] == pytest.approx(slopes[1], abs=1e-2), "no kink at a keyframe"
+    assert slopes[0] == pytest.approx(z_up((4 / 3, 2 / 3, -2)), abs=1e-2), "Catmull and Rom's slope"

@@ -69,3 +69,23 @@ def test_every_look_of_the_settings_can_be_built():
 
     union = get_args(get_args(Look)[0])
     assert {get_args(look.model_fields["type"].annotation)[0] for look in union} == set(LOOKS)
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({"materials": {"a": {"type": "plastic", "principled": {"Coat Wieght": 1}}}}, "Coat Weight"),
+        ({"materials": {"a": {"type": "plastic", "principled": {"Base Color": 1}}}}, "is a colour"),
+        ({"materials": {"a": {"type": "glass", "principled": {"Roughness": 1}}}}, "principled"),
+        ({"passes": ["motion"]}, "motion_blur: false"),
+        ({"passes": ["dept"]}, "depth"),
+        ({"camera": {"keyframes": [{"at": 0, "position": [0, 0, 1], "target": [0, 0, 0]}]}}, "two or more"),
+        (
+            {"camera": {"keyframes": [{"at": at, "position": [0, 0, 1], "target": [0, 0, 0]} for at in (1, 1)]}},
+            "must grow",
+        ),
+    ],
+)
+def test_looks_that_can_not_be(data, said):
+    with pytest.raises(ValidationError, match=said):
+        RenderSpec.model_validate(data)

@@ -1,0 +1,32 @@
+"""Motion of things while the shutter is open, as keyframes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from render.blender import bpy
+
+
+def blur(thing: Any, frame: int, exposure: float, place: Callable[[float], None], paths: Sequence[str]) -> None:
+    """Keyframes of the properties `paths` at the ends of the exposure and at the frame, straight in between, where
+    `place` brings the thing to where it is so many frames after the frame. `exposure` is in frames; 0 is none.
+    """
+    forget(thing)
+    for offset in (-exposure / 2, exposure / 2, 0.0) if exposure > 0 else (0.0,):
+        place(offset)
+        if exposure > 0:
+            for path in paths:
+                thing.keyframe_insert(path, frame=frame + offset)
+    if exposure > 0:
+        for curve in thing.animation_data.action.fcurves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+
+
+def forget(thing: Any) -> None:
+    """Remove a thing's keyframes."""
+    if thing.animation_data is not None:
+        action = thing.animation_data.action
+        thing.animation_data_clear()
+        bpy.data.actions.remove(action)
