@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from render.errors import RenderError, Unusable
-from render.job import Job
+from render.job import FORMATS, Job
 from render.progress import Progress
 from render.spec import RenderSpec
 
@@ -68,6 +68,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         fps=options.fps,
         threads=options.threads,
         save_blend=os.path.abspath(options.save_blend) if options.save_blend else None,
+        export=_export_path(options.export),
     )
     with Progress(len(job.frames())) as progress:
         if spec.blender is not None:
@@ -76,15 +77,24 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
             summary = render_installed(spec.blender, job, scratch, progress.report)
         else:
             before = time.perf_counter()
-            from render.frames import render_frames
+            from render.work import carry_out
 
             imported = time.perf_counter() - before
-            summary = render_frames(job, progress.report)
+            summary = carry_out(job, progress.report)
             summary["wall_s"] = {"import": imported, **summary["wall_s"]}
     summary["wall_s"]["total"] = time.perf_counter() - start
     for warning in summary["warnings"]:
         print(f"render: warning: {warning}", file=sys.stderr)
     _write_json(out / "summary.json", {"status": "done", **summary})
+
+
+def _export_path(name: str | None) -> str | None:
+    if name is None:
+        return None
+    if Path(name).suffix not in FORMATS:
+        raise Unusable(f"--export: {name} is of no kind that can be written: use {', '.join(FORMATS)}")
+    _make_folder(os.path.dirname(os.path.abspath(name)))
+    return os.path.abspath(name)
 
 
 def _load_spec(text: str) -> RenderSpec:
@@ -142,6 +152,9 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--fps", type=_positive(float), default=24.0, help="frames per simulated second (default 24)")
     parser.add_argument("--threads", type=_positive(int), metavar="N", help="CPU threads (default: all)")
     parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
+    parser.add_argument(
+        "--export", metavar="FILE", help="write the animation to this file instead of pictures: .usdc, .abc or .blend"
+    )
     parser.add_argument("--log", metavar="FILE", help="keep what Blender prints in this file")
     return parser.parse_args(arguments)
 

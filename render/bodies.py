@@ -8,7 +8,7 @@ from mathutils import Quaternion, Vector
 
 from render.inputs import Pose
 from render.meshes import add_object, build_mesh, sharpen
-from render.motion import blur, forget
+from render.motion import PLACE, blur, forget, show_only
 from render.ply import TriangleMesh
 
 
@@ -20,6 +20,16 @@ class Body:
         sharpen(mesh)
         self.thing = add_object(name, mesh, material)
         self.thing.rotation_mode = "QUATERNION"
+
+    def key(self, pose: Pose | None, frame: int) -> None:
+        """Keep where it is in a frame as keyframes; out of sight without a pose."""
+        show_only(self.thing, pose is not None, frame)
+        if pose is not None:
+            rotation = Quaternion(pose.rotation)
+            rotation.make_compatible(self.thing.rotation_quaternion)
+            self.thing.location, self.thing.rotation_quaternion = pose.position, rotation
+            for path in PLACE:
+                self.thing.keyframe_insert(path, frame=frame)
 
     def show(self, pose: Pose | None, frame: int, exposure: float, fps: float) -> None:
         """Stand where the pose says; it moves on straight and turns evenly while the shutter is open.
@@ -38,4 +48,4 @@ class Body:
             self.thing.rotation_quaternion = Quaternion(turn, turn.length) @ Quaternion(pose.rotation)
 
         moving = any((*pose.velocity, *pose.angular_velocity))
-        blur(self.thing, frame, exposure if moving else 0.0, place, ("location", "rotation_quaternion"))
+        blur(self.thing, frame, exposure if moving else 0.0, place)

@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from mathutils import Matrix, Quaternion
+from mathutils import Matrix
 
 from render.axes import Vector, z_up
 from render.blender import bpy
 from render.framing import FULL_FRAME, View, rotation_matrix
-from render.motion import blur
+from render.motion import PLACE, blur
 
 
 def face(thing: Any, position: Vector, toward: Vector) -> None:
@@ -35,19 +35,27 @@ class Camera:
 
     def show(self, frame: int, exposure: float, fps: float) -> None:
         """Stand where the settings say, and move on while the shutter is open, `exposure` frames long."""
-        before: Quaternion | None = None
 
         def place(offset: float) -> None:
-            nonlocal before
-            view = self._view_at((frame + offset) / fps)
-            rotation = Matrix(rotation_matrix(_minus(view.position, view.target))).to_quaternion()
-            if before is not None:
-                rotation.make_compatible(before)
-            self._thing.location, self._thing.rotation_quaternion, before = view.position, rotation, rotation
+            self._place(self._view_at((frame + offset) / fps))
 
         moving = exposure if self._settings.keyframes else 0.0
-        blur(self._thing, frame, moving, place, ("location", "rotation_quaternion"))
+        blur(self._thing, frame, moving, place)
         self._focus(self._view_at(frame / fps))
+
+    def _place(self, view: View) -> None:
+        rotation = Matrix(rotation_matrix(_minus(view.position, view.target))).to_quaternion()
+        rotation.make_compatible(self._thing.rotation_quaternion)
+        self._thing.location, self._thing.rotation_quaternion = view.position, rotation
+
+    def key(self, frame: int, fps: float) -> None:
+        """Keep where it is in a frame as keyframes."""
+        self._place(self._view_at(frame / fps))
+        self._focus(self._view_at(frame / fps))
+        for path in PLACE:
+            self._thing.keyframe_insert(path, frame=frame)
+        for path in ("lens", "clip_start", "clip_end", "dof.focus_distance"):
+            self._lens.keyframe_insert(path, frame=frame)
 
     def _focus(self, view: View) -> None:
         lens, depth = self._lens, self._settings.depth_of_field

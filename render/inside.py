@@ -20,11 +20,11 @@ def main(job_file: str) -> None:
     from render.errors import RenderError, Unusable
 
     try:
-        from render.frames import render_frames
         from render.job import Job
+        from render.work import carry_out
 
         imported = time.perf_counter() - start
-        summary = render_frames(Job.load(Path(job_file)), _report)
+        summary = carry_out(Job.load(Path(job_file)), _report)
         summary["wall_s"] = {"import": imported, **summary["wall_s"]}
         _report({"summary": summary})
     except RenderError as error:

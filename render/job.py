@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+FORMATS = (".usd", ".usda", ".usdc", ".abc", ".blend")
+"""Kinds of files of a whole animation."""
 Report = Callable[[dict[str, Any]], None]
 """Takes what happened: `{"frame": 42, "wall_s": 3.1}` after each frame."""
 
@@ -29,6 +31,8 @@ class Job:
     """Frames per simulated second [Hz]."""
     threads: int | None = None
     save_blend: str | None = None
+    export: str | None = None
+    """Instead of pictures: a file of the animation, .usd, .usda, .usdc, .abc or .blend."""
 
     def frames(self) -> range:
         return range(self.first, self.last + 1)

@@ -62,6 +62,16 @@ class Scene:
                 replace_mesh(thing, build_mesh(name, source), material)
         bpy.context.scene.frame_set(frame)
 
+    def key(self, frame: int, poses: dict[str, Pose]) -> None:
+        """Keep where bodies and camera are in a frame as keyframes."""
+        self._camera.key(frame, self.fps)
+        for name, body in self._bodies.items():
+            body.key(poses.get(name), frame)
+
+    def moving(self) -> dict[str, tuple[Any, Any]]:
+        """What changes its shape, with its material, by the names that `read` gives."""
+        return self._moving_meshes
+
     def _look(self, name: str, default: Any) -> Any:
         return getattr(self.settings.materials, name, default)
 
