@@ -66,8 +66,8 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
             return
         for name, mesh in scene.read(frame).items():
             thing, material = scene.moving()[name]
-            if mesh is not None:
-                replace_mesh(thing, build_mesh(name, mesh), material)
+            seen = mesh is not None and len(mesh.triangles) > 0
+            replace_mesh(thing, build_mesh(name, mesh) if seen else _nothing(name), material)
         report({"frame": frame, "wall_s": 0.0})
 
     for thing, _ in scene.moving().values():
@@ -80,6 +80,13 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
     else:
         done = bpy.ops.wm.usd_export(filepath=str(path), export_animation=True, evaluation_mode="RENDER")
     check(done, "exporting")
+
+
+def _nothing(name: str) -> Any:
+    """A triangle without area: exporters go on with the last mesh where one is empty."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(0.0, 0.0, 0.0)] * 3, [], [(0, 1, 2)])
+    return mesh
 
 
 def _write_blend(scene: Scene, job: Job, path: Path, report: Report) -> None:
