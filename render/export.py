@@ -57,8 +57,8 @@ def export_film(job: Job, report: Report) -> dict[str, Any]:
 
 
 def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
-    """Exporters ask for one frame after another, and take a mesh for still whose object has no modifier;
-    that of triangles to triangles changes nothing."""
+    """Exporters ask for one frame after another. They take a mesh for still whose object has no modifier (that of
+    triangles to triangles changes nothing), and one of another name for another thing."""
 
     def bring(stage: Any, *_: Any) -> None:
         frame = stage.frame_current
@@ -68,6 +68,7 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
             thing, material = scene.moving()[name]
             seen = mesh is not None and len(mesh.triangles) > 0
             replace_mesh(thing, build_mesh(name, mesh) if seen else _nothing(name), material)
+            thing.data.name = name
         report({"frame": frame, "wall_s": 0.0})
 
     for thing, _ in scene.moving().values():
