@@ -43,6 +43,7 @@ rule scenes:
 include: "workflow/rules/common.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/reconstruct.smk"
+include: "workflow/rules/foam.smk"
 include: "workflow/rules/render.smk"
 include: "workflow/rules/film.smk"
 include: "workflow/rules/wedge.smk"

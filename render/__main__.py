@@ -53,7 +53,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     start = time.perf_counter()
     spec = _load_spec(options.spec)
     out = _make_folder(options.out)
-    for folder in filter(None, (options.simulation, options.surface)):
+    for folder in filter(None, (options.simulation, options.surface, options.foam)):
         if not Path(folder).is_dir():
             raise Unusable(f"{folder} is not a folder")
     first, last = options.frames
@@ -61,6 +61,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         settings=spec.model_dump(mode="json"),
         simulation=os.path.abspath(options.simulation),
         surface=os.path.abspath(options.surface) if options.surface else None,
+        foam=os.path.abspath(options.foam) if options.foam else None,
         first=first,
         last=last,
         out=str(out.resolve()),
@@ -145,6 +146,7 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--spec", required=True, metavar="JSON", help="the render settings, as JSON or a JSON file")
     parser.add_argument("--simulation", required=True, metavar="DIR", help="folder that the simulation wrote")
     parser.add_argument("--surface", metavar="DIR", help="folder of the water's surfaces; left out for a dry scene")
+    parser.add_argument("--foam", metavar="DIR", help="folder of its foam; left out for a scene without")
     parser.add_argument(
         "--frames", required=True, type=_frames, metavar="A:B", help="first and last frame, both included"
     )

@@ -39,7 +39,7 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
     """
     log, clock = Path(job.log), Clock()
     settings = plain(job.settings)
-    inputs = Inputs(Path(job.simulation), Path(job.surface) if job.surface else None)
+    inputs = Inputs(*(Path(folder) if folder else None for folder in (job.simulation, job.surface, job.foam)))
     seconds: list[float] = []
     without_water: list[int] = []
     try:

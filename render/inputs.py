@@ -58,6 +58,7 @@ class Inputs:
 
     simulation: Path
     surface: Path | None
+    foam: Path | None = None
 
     def extent(self) -> Box:
         """The box of the action over the whole film; raises Unusable without it."""
@@ -95,6 +96,10 @@ class Inputs:
     def water(self, frame: int) -> Path | None:
         """The water's surface in a frame; None for a scene without fluid."""
         return None if self.surface is None else self.surface / f"surface_{frame:05d}.ply"
+
+    def bubbles(self, frame: int) -> Path | None:
+        """Foam, spray and bubbles of a frame; None for a scene without."""
+        return None if self.foam is None else self.foam / f"foam_{frame:05d}.ply"
 
     def poses(self, frames: Iterable[int]) -> dict[int, dict[str, Pose]]:
         """Where the rigid bodies are, by frame and name; a body without a row is absent."""

@@ -27,6 +27,7 @@ class Job:
     out: str
     log: str
     """File that takes what Blender prints."""
+    foam: str | None = None
     fps: float = 24.0
     """Frames per simulated second [Hz]."""
     threads: int | None = None

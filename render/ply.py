@@ -1,4 +1,4 @@
-"""Triangle meshes from binary little-endian PLY files, with NumPy or without it."""
+"""Triangle meshes and points from binary little-endian PLY files, with NumPy or without it."""
 
 from __future__ import annotations
 
@@ -53,20 +53,30 @@ def read_mesh(path: Path) -> TriangleMesh:
     Raises Unusable when the file is missing or cut short, is not a binary little-endian triangle mesh,
     or holds a number that is not finite or an index beyond the vertices.
     """
+    return _read(path, ["vertex", "face"])
+
+
+def read_cloud(path: Path) -> TriangleMesh:
+    """Read points as a mesh without triangles; raises Unusable as `read_mesh` does."""
+    return _read(path, ["vertex"])
+
+
+def _read(path: Path, wanted: list[str]) -> TriangleMesh:
     try:
         data = path.read_bytes()
     except OSError as error:
         raise Unusable(f"can not read {path}: {error.strerror}") from error
     try:
-        elements, start = _header(data)
+        elements, start = _header(data, wanted)
         columns, triangles = _read_numpy(data, elements, start) if np else _read_struct(data, elements, start)
     except (ValueError, struct.error, KeyError, IndexError) as error:
-        raise Unusable(f"{path} is not a whole binary triangle mesh: {error}") from error
+        kind = "triangle mesh" if "face" in wanted else "point cloud"
+        raise Unusable(f"{path} is not a whole binary {kind}: {error}") from error
     _check(path, columns, triangles)
     return TriangleMesh(columns, triangles)
 
 
-def _header(data: bytes) -> tuple[list[_Element], int]:
+def _header(data: bytes, wanted: list[str]) -> tuple[list[_Element], int]:
     end = data.find(b"end_header\n")
     if not data.startswith(b"ply\n") or end < 0:
         raise ValueError("no PLY header")
@@ -82,9 +92,9 @@ def _header(data: bytes) -> tuple[list[_Element], int]:
                 elements[-1].scalars.extend((f"corner{corner}", _CODES[index]) for corner in range(3))
             case ["property", kind, name]:
                 elements[-1].scalars.append((name, _CODES[kind]))
-    if [element.name for element in elements[:2]] != ["vertex", "face"]:
-        raise ValueError("expected vertices and faces")
-    return elements[:2], end + len(b"end_header\n")
+    if [element.name for element in elements[: len(wanted)]] != wanted:
+        raise ValueError("expected " + " and ".join({"vertex": "vertices", "face": "faces"}[name] for name in wanted))
+    return elements[: len(wanted)], end + len(b"end_header\n")
 
 
 def _read_numpy(data: bytes, elements: list[_Element], start: int) -> tuple[dict[str, Any], Any]:
@@ -93,11 +103,13 @@ def _read_numpy(data: bytes, elements: list[_Element], start: int) -> tuple[dict
         dtype = np.dtype([(name, "<" + code) for name, code in element.scalars])
         tables.append(np.frombuffer(data, dtype, element.count, start))
         start += element.count * dtype.itemsize
-    vertices, faces = tables
+    columns = {name: tables[0][name] for name in tables[0].dtype.names}
+    if len(tables) == 1:
+        return columns, np.empty(0, np.int32)
+    faces = tables[1]
     if (faces["length"] != 3).any():
         raise ValueError("a face is not a triangle")
-    triangles = np.stack([faces[f"corner{corner}"] for corner in range(3)], axis=1).astype(np.int32).ravel()
-    return {name: vertices[name] for name in vertices.dtype.names}, triangles
+    return columns, np.stack([faces[f"corner{corner}"] for corner in range(3)], axis=1).astype(np.int32).ravel()
 
 
 def _read_struct(data: bytes, elements: list[_Element], start: int) -> tuple[dict[str, Any], Any]:
@@ -112,6 +124,8 @@ def _read_struct(data: bytes, elements: list[_Element], start: int) -> tuple[dic
         pairs = zip(element.scalars, columns, strict=True)
         tables.append({name: array(code, column) for (name, code), column in pairs})
         start += size
+    if len(tables) == 1:
+        return tables[0], array("i")
     vertices, faces = tables
     if any(length != 3 for length in faces["length"]):
         raise ValueError("a face is not a triangle")

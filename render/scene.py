@@ -11,13 +11,14 @@ from render.bodies import Body
 from render.camera import Camera
 from render.containers import add_container, wall_thickness
 from render.errors import Unusable
+from render.foam import Foam
 from render.framing import view_of
 from render.ground import add_ground
 from render.inputs import Box, Inputs, Pose
 from render.lights import add_lights
 from render.materials import default_body_look, default_sheet_look, make_material
 from render.meshes import COLOR_COLUMNS, add_object, build_mesh, replace_mesh
-from render.ply import TriangleMesh, max_of, min_of, read_mesh
+from render.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.world import add_world
 
 SUNK = 0.002
@@ -41,13 +42,17 @@ class Scene:
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()
+        self._foam = Foam(make_material("foam", settings.foam, self.box.diagonal)) if inputs.foam else None
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
         """The meshes of a frame that change their shape, by name of their object; None where there is none."""
         paths = {"cloth_" + name: self.inputs.sheet(name, frame) for name in self.inputs.sheets()}
         if self.inputs.surface is not None:
             paths["water"] = self.inputs.water(frame)
-        return {name: read_mesh(path) if path else None for name, path in paths.items()}
+        meshes = {name: read_mesh(path) if path else None for name, path in paths.items()}
+        if self._foam is not None:
+            meshes["foam"] = read_cloud(self.inputs.bubbles(frame))
+        return meshes
 
     def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
         """Bring everything to where it is in a frame."""
@@ -60,6 +65,8 @@ class Scene:
             thing.hide_render = source is None or len(source.triangles) == 0
             if not thing.hide_render:
                 replace_mesh(thing, build_mesh(name, source), material)
+        if self._foam is not None:
+            self._foam.show(meshes["foam"])
         bpy.context.scene.frame_set(frame)
 
     def key(self, frame: int, poses: dict[str, Pose]) -> None:

@@ -385,6 +385,8 @@ class RenderSpec(Settings):
     ground: Ground = Ground()
     water: Annotated[Look, BeforeValidator(_water_unless_told)] = Water()
     """Look of the fluid; `type` may be left out for water."""
+    foam: Look = Matte(type="matte", color=srgb("#f3f7f9"))
+    """Look of foam, spray and bubbles, where the scene has them."""
     walls: Walls = Walls()
     materials: Annotated[dict[Name, Look], Field(default_factory=dict)]
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""

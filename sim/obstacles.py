@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.geometry.shapes import place
-from sim.geometry.solids import Solid, rotation_matrix
+from sim.geometry.solids import Solid
 from sim.geometry.spec import Placement, Plane
+from sim.planes import PlaneWall, box_bounds, plane_of, sides_of
 from sim.settings import Refused
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
@@ -62,15 +63,6 @@ class Obstacle:
     def fastest(self) -> float:
         """The greatest speed [m/s] of its surface at any time."""
         return self.motion.fastest(self.reach) if self.motion else 0.0
-
-
-@dataclass(frozen=True)
-class PlaneWall:
-    """The half-space n.x < offset; `body` names what it belongs to."""
-
-    body: str
-    normal: np.ndarray
-    offset: float
 
 
 @dataclass(frozen=True)
@@ -124,24 +116,17 @@ def find_obstacles(spec: SimulationSpec, folder: Path) -> Obstacles:
     boxes: dict[str, BoxContainer] = {}
     for name, body in (spec.rigid.bodies if spec.rigid else {}).items():
         if isinstance(body.shape, Plane):
-            walls.append(_plane(name, body.shape, body))
+            walls.append(plane_of(name, body.shape, body))
         else:
             placed.append(_body(name, body, folder))
     for name, container in spec.containers.items():
         if isinstance(container, BoxContainer):
             boxes[name] = container
-            walls += _sides(name, container)
+            walls += sides_of(name, container)
         else:
             solid = _placed(container, folder, ("containers", name))
             placed.append(Obstacle(name, solid, hollow=True))
     return Obstacles(placed, walls, boxes)
-
-
-def box_bounds(container: BoxContainer) -> np.ndarray:
-    """Lower and upper corner of a box container [m], shape [2, 3]."""
-    size, base = np.array(container.size), np.array(container.position)
-    low = base - [size[0] / 2, 0.0, size[2] / 2]
-    return np.array([low, low + size])
 
 
 def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
@@ -178,25 +163,6 @@ def _placed(body: Placement, folder: Path, location: tuple[str, ...]) -> Solid:
         return place(body.shape, body, folder)
     except Refused as refused:
         raise refused.at(*location, *(() if refused.location else ("shape",))) from None
-
-
-def _plane(name: str, shape: Plane, placement: Placement) -> PlaneWall:
-    normal = rotation_matrix(placement.rotation) @ np.array(shape.normal)
-    normal /= np.linalg.norm(normal)
-    return PlaneWall(name, normal, float(normal @ np.array(placement.position)))
-
-
-def _sides(name: str, container: BoxContainer) -> list[PlaneWall]:
-    low, high = box_bounds(container)
-    walls = []
-    for index, side in enumerate(SIDES):
-        if side in container.open:
-            continue
-        axis, upper = divmod(index, 2)
-        normal = np.zeros(3)
-        normal[axis] = -1.0 if upper else 1.0
-        walls.append(PlaneWall(name, normal, float(normal[axis] * (high if upper else low)[axis])))
-    return walls
 
 
 def _box_surface(container: BoxContainer) -> tuple[np.ndarray, np.ndarray]:

@@ -26,7 +26,8 @@ def measured(scene: Scene, overrides: Sequence[str]) -> list[Line]:
 
 def costs(scene: Scene) -> list[Line]:
     """Memory of the jobs, the size of the particles' files, and what the last film took, if there is one."""
-    stages = [stage for stage in ("simulate", "reconstruct", "render") if stage != "reconstruct" or particles(scene)]
+    fluid = ["reconstruct"] if particles(scene) else []
+    stages = ["simulate", *fluid, *(["foam"] if scene.foam else []), "render"]
     memory = ", ".join(f"{stage} {estimate(stage, scene):,} MB" for stage in stages)
     found = [Line("memory", f"at most about {memory}")]
     count, frames = particles(scene), scene.last_frame + 1

@@ -30,6 +30,7 @@ def run(
     *,
     simulation: Sequence[Path] = (),
     surface: Sequence[Path] = (),
+    foam: Sequence[Path] = (),
 ) -> None:
     """Write the folder of a film; raises Refused where a frame is missing or a picture can not be used."""
     watch = Stopwatch()
@@ -66,7 +67,7 @@ def run(
         if copy is not None:
             copy.parent.mkdir(parents=True, exist_ok=True)
             write_whole(copy, lambda partial: shutil.copyfile(video, partial))
-    stages = {"simulate": simulation, "reconstruct": surface, "render": blocks}
+    stages = {"simulate": simulation, "reconstruct": surface, "foam": foam, "render": blocks}
     summary = summaries.merged(stages, steps if steps.exists() else None)
     summary["versions"]["imageio-ffmpeg"] = version("imageio-ffmpeg")
     summary["wall_s"]["film"] = watch.report()
@@ -128,13 +129,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--frames-from", **{**folders, "nargs": "+"}, required=True, help="folders with 00000.png ...")
     parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")
     parser.add_argument("--surface", **folders, help="folders of the surface, in order: volume and times")
+    parser.add_argument("--foam", **folders, help="folders of the foam, in order: times")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the film")
     given = parser.parse_args(argv)
 
     def work() -> None:
         spec = read_spec(FilmJobSpec, given.spec)
         given.out.mkdir(parents=True, exist_ok=True)
-        run(spec, given.frames_from, given.out, simulation=given.simulation, surface=given.surface)
+        run(
+            spec,
+            given.frames_from,
+            given.out,
+            simulation=given.simulation,
+            surface=given.surface,
+            foam=given.foam,
+        )
 
     return exit_code(work, "film")
 

@@ -14,6 +14,8 @@ SIMULATED_PARTICLE = 1000
 """Arrays and neighbour lists of one particle [bytes]."""
 MESHED_PARTICLE = 4000
 """Particle, density grid and triangles of one particle [bytes]."""
+FOAMING_PARTICLE = 1500
+"""Arrays and neighbour lists of one particle, of the fluid and of the foam that it makes [bytes]."""
 RENDERED_PARTICLE = 2000
 """Triangles and acceleration structure of the surface, over the number of particles [bytes]."""
 UNKNOWN_SIZE = 1.0
@@ -22,7 +24,12 @@ UNKNOWN_SIZE = 1.0
 
 def estimate(stage: str, scene: Scene) -> int:
     """Memory of one job of a stage [MB]."""
-    each = {"simulate": SIMULATED_PARTICLE, "reconstruct": MESHED_PARTICLE, "render": RENDERED_PARTICLE}
+    each = {
+        "simulate": SIMULATED_PARTICLE,
+        "reconstruct": MESHED_PARTICLE,
+        "foam": FOAMING_PARTICLE,
+        "render": RENDERED_PARTICLE,
+    }
     return PROCESS + math.ceil(particles(scene) * each.get(stage, 0) / 1e6)
 
 

@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from sim.foam.spec import FoamJobSpec, Wall
 from sim.geometry import assets
 from sim.settings import canonical_json
 from sim.spec import SimulationSpec
@@ -30,6 +31,7 @@ FILMS = "renders"
 ENTRY = {
     "simulate": "sim.segment",
     "reconstruct": "workflow.reconstruct",
+    "foam": "workflow.foam",
     "render": "render",
     "film": "workflow.film",
 }
@@ -82,6 +84,10 @@ class Plan:
     def has_surface(self) -> bool:
         return self.scene.simulation.fluid is not None
 
+    @property
+    def has_foam(self) -> bool:
+        return self.scene.foam is not None
+
     def job(self, stage: str, index: int = 0) -> Job:
         """The job of a stage for a segment or block; raises IndexError where the film has no such part."""
         key = (stage, index)
@@ -93,8 +99,10 @@ class Plan:
         """How many jobs a stage has."""
         if stage == "reconstruct" and not self.has_surface:
             return 0
-        counts = {"simulate": self.timeline.segments, "reconstruct": self.timeline.segments}
-        return {**counts, "render": self.timeline.blocks, "film": 1}[stage]
+        if stage == "foam" and not self.has_foam:
+            return 0
+        segments = dict.fromkeys(("simulate", "reconstruct", "foam"), self.timeline.segments)
+        return {**segments, "render": self.timeline.blocks, "film": 1}[stage]
 
     def jobs(self, stage: str) -> list[Job]:
         return [self.job(stage, index) for index in range(self.parts(stage))]
@@ -139,6 +147,31 @@ class Plan:
             upstream=(self.job("simulate", index).plan,),
         )
 
+    def _foam(self, index: int) -> Job:
+        fluid, simulation = self.scene.simulation.fluid, self.scene.simulation
+        if self.scene.foam is None or fluid is None:
+            raise IndexError(f"{self.scene.name} has no `foam:`, so none is made")
+        from sim.planes import walls_of
+
+        spec = FoamJobSpec(
+            foam=self.scene.foam,
+            particle_radius=fluid.particle_radius,
+            support_radius=fluid.support_radius,
+            gravity=simulation.gravity,
+            fps=simulation.fps,
+            walls=tuple(Wall(normal=tuple(wall.normal), offset=wall.offset) for wall in walls_of(simulation)),
+        )
+        return Job(
+            stage="foam",
+            folder=f"{self.results}/foam/{index:03d}",
+            frames=self.timeline.segment(index),
+            spec=spec.canonical(),
+            code=self._code("foam", frozenset({"fluid"})),
+            versions=versions("taichi", "numpy"),
+            assets=_assets({}, set()),
+            upstream=(self.job("simulate", index).plan, *((self.job("foam", index - 1).plan,) if index else ())),
+        )
+
     def _render(self, index: int) -> Job:
         frames = self.timeline.block(index)
         segment = self.timeline.segment_of_block(index)
@@ -150,8 +183,12 @@ class Plan:
             code=self._code("render"),
             versions=_blender(self.scene.render.blender),
             assets=_assets(self.scene.assets, set(self.scene.assets) - _files(self.scene.simulation)),
-            upstream=(self.job("reconstruct" if self.has_surface else "simulate", segment).plan,),
+            upstream=tuple(self.job(stage, segment).plan for stage in self._shown()),
         )
+
+    def _shown(self) -> tuple[str, ...]:
+        """Stages whose results pictures show; the surface stands for the simulation that it was made from."""
+        return ("reconstruct" if self.has_surface else "simulate", *(("foam",) if self.has_foam else ()))
 
     def _film(self, _index: int) -> Job:
         scene = self.scene

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,7 +33,7 @@ from workflow.presets import QUALITIES
 from workflow.scene import Scene, load
 from workflow.shelf import SCENE_FILES
 
-WATER, CLOTH, CONTAINER = "#3f8fb5", "#b23a48", "#8a949b"
+WATER, FOAM, CLOTH, CONTAINER = "#3f8fb5", "#f3f7f9", "#b23a48", "#8a949b"
 BODIES = ("#e4572e", "#f3a712", "#669bbc", "#a8c686", "#8d6a9f")
 BACKGROUND = ("#e9e6df", "#b9cbd6")
 """Below and above."""
@@ -48,18 +48,20 @@ class Frame:
     number: int
     simulation: Path
     surface: Path | None
+    foam: Path | None = None
 
 
-def frames(simulations: list[Path], surfaces: list[Path]) -> dict[int, Frame]:
+def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] = ()) -> dict[int, Frame]:
     """All frames of which a simulation left files, by number."""
     meshed = {_number(path): path.parent for folder in surfaces for path in folder.glob("surface_*.ply")}
+    foamed = {_number(path): path.parent for folder in foams for path in folder.glob("foam_*.ply")}
     found = {}
     for folder in simulations:
         numbers = {_number(path) for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern)}
         if not numbers and (folder / "bodies.csv").exists():
             rows = (folder / "bodies.csv").read_text().splitlines()[1:]
             numbers = {int(row.partition(",")[0]) for row in rows}
-        found |= {number: Frame(number, folder, meshed.get(number)) for number in sorted(numbers)}
+        found |= {number: Frame(number, folder, meshed.get(number), foamed.get(number)) for number in sorted(numbers)}
     return found
 
 
@@ -75,7 +77,7 @@ def draw(
     width, height = scene.render.resolution
     size = (WIDTH, round(WIDTH * height / width))
     time = frame.number / scene.simulation.fps
-    inputs = Inputs(frame.simulation, frame.surface)
+    inputs = Inputs(frame.simulation, frame.surface, frame.foam)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.enable_anti_aliasing("msaa")
     plotter.set_background(BACKGROUND[0], top=BACKGROUND[1])
@@ -100,6 +102,9 @@ def draw(
         _add(plotter, *_mesh(surface), WATER)
     elif fluid.exists():
         colours = _add_particles(plotter, fluid, scene.simulation.fluid.particle_radius)
+    foam = inputs.bubbles(frame.number)
+    if foam is not None:
+        _add_foam(plotter, foam)
     _place(plotter.camera, view_of(scene.render.camera, inputs.extent(), size, time))
     plotter.add_text(f"{scene.name}  frame {frame.number}{colours}", font_size=9, color="#333333")
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -141,6 +146,16 @@ def _add_particles(plotter: Any, path: Path, radius: float) -> str:
     )
     actor.mapper.scale_factor = radius
     return f"  speed 0 to {fastest:.2g} m/s"
+
+
+def _add_foam(plotter: Any, path: Path) -> None:
+    import pyvista
+
+    points = read_points(path)
+    if len(points):
+        cloud = pyvista.PolyData(z_up_columns(*(points[axis] for axis in "xyz")).reshape(-1, 3))
+        actor = plotter.add_mesh(cloud, color=FOAM, style="points_gaussian", emissive=False)
+        actor.mapper.scale_factor = float(points["radius"].mean())
 
 
 def _mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -204,7 +219,8 @@ def main(arguments: list[str] | None = None) -> int:
         results = Path(Plan(scene, Path(__file__).parents[1]).results)
         simulations = [options.simulation] if options.simulation else [*unfinished(results / "simulation")]
         surfaces = [] if options.simulation else [*unfinished(results / "surface")]
-        known = frames(simulations, surfaces)
+        foams = [] if options.simulation else [*unfinished(results / "foam")]
+        known = frames(simulations, surfaces, foams)
         if not known:
             where = options.simulation or results / "simulation"
             raise Unusable(f"there are no frames in {where}: simulate the scene first")

@@ -12,6 +12,7 @@ from annotated_types import Le, Len
 from pydantic import Field, ValidationError
 
 from render.spec import RenderSpec
+from sim.foam.spec import FoamSpec
 from sim.geometry import assets
 from sim.geometry.spec import MeshFile
 from sim.settings import Refused
@@ -42,6 +43,8 @@ class SceneFile(SimulationSpec):
     presets: Annotated[dict[Quality, dict[str, Any]], Field(default_factory=dict)]
     """Settings that override the scene's own, by preset."""
     surface: SurfaceSpec = Field(default_factory=SurfaceSpec)
+    foam: FoamSpec | None = None
+    """Foam, spray and air bubbles that the fluid makes; without it, none: `foam: {}` is all defaults."""
     render: RenderSpec = Field(default_factory=RenderSpec)
     film: FilmSpec = Field(default_factory=FilmSpec)
     wedge: dict[str, Annotated[tuple[Any, ...], Len(1, 1000)]] = {}
@@ -59,6 +62,7 @@ class Scene:
     duration: float
     simulation: SimulationSpec
     surface: SurfaceSpec
+    foam: FoamSpec | None
     render: RenderSpec
     film: FilmSpec
     wedge: tuple[Combination, ...]
@@ -165,6 +169,7 @@ def _split(document: Document, path: Path, quality: str) -> Scene:
         duration=whole.duration,
         simulation=simulation,
         surface=whole.surface,
+        foam=whole.foam,
         render=whole.render,
         film=whole.film,
         wedge=_combinations(whole.wedge, document),
@@ -205,6 +210,8 @@ def _check_across_stages(scene: Scene) -> None:
             message = f"there is already a body named '{name}', {first}"
             raise Refused(message, location=location, remedy="give each body, sheet and container a name of its own")
         seen[name] = location
+    if scene.foam is not None and simulation.fluid is None:
+        raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
     for name in scene.render.named_bodies():
         if name not in seen:
             location = ("render", "materials", name)

@@ -29,7 +29,7 @@ from workflow.shelf import SCENE_FILES
 if TYPE_CHECKING:
     from rich.table import Table
 
-STAGES = {"simulate": "simulation", "reconstruct": "surface", "render": "frames"}
+STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "render": "frames"}
 """Stages that are made in parts, and the folders of their results."""
 REFRESH = 1.0
 """[s]"""

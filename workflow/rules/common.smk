@@ -1,5 +1,6 @@
 segment = catalog.of("simulate")
 surface = catalog.of("reconstruct")
+foam = catalog.of("foam")
 block = catalog.of("render")
 film = catalog.of("film")
 
@@ -49,9 +50,32 @@ def segment_of_block(stage):
     return folder
 
 
-def surface_option(wildcards):
-    folder = segment_of_block("reconstruct")(wildcards)
-    return ["--surface", folder] if folder else []
+def folder_option(name, stage):
+    """The option of a render job that names the folder of a stage, where the film has such a stage."""
+
+    def option(wildcards):
+        folder = segment_of_block(stage)(wildcards)
+        return [name, folder] if folder else []
+
+    return option
+
+
+def fluid_of_foam(wildcards):
+    """The folders with the particles of a segment, and of the frame before it."""
+    catalog.job("foam", wildcards)
+    index = int(wildcards.segment)
+    return [plan(wildcards).job("simulate", k).folder for k in range(max(0, index - 1), index + 1)]
+
+
+def previous_foam(wildcards):
+    """The folder of foam that a segment goes on from; none for the first."""
+    index = int(wildcards.segment)
+    return plan(wildcards).job("foam", index - 1).folder if index else []
+
+
+def resume_foam(wildcards):
+    folder = previous_foam(wildcards)
+    return ["--resume", folder] if folder else []
 
 
 def fps(wildcards):

@@ -3,6 +3,7 @@ rule film:
         frames=all_parts("render"),
         simulation=all_parts("simulate"),
         surface=all_parts("reconstruct"),
+        foam=all_parts("foam"),
     output:
         folder=report(
             directory("renders/{scene}"),
@@ -37,4 +38,5 @@ rule film:
         " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/failed/film"
         " -- {sys.executable:q} -m workflow.film --spec {params.spec:q} --frames-from {input.frames:q}"
-        " --simulation {input.simulation:q} --surface {input.surface:q} --out @OUT"
+        " --simulation {input.simulation:q} --surface {input.surface:q}"
+        " --foam {input.foam:q} --out @OUT"

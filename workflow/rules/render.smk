@@ -2,6 +2,7 @@ rule render:
     input:
         simulation=segment_of_block("simulate"),
         surface=segment_of_block("reconstruct"),
+        foam=segment_of_block("foam"),
     output:
         folder=part("results/{scene}/{quality}/frames/{block}"),
     log:
@@ -23,7 +24,8 @@ rule render:
         versions=block("versions"),
         plan=block("plan"),
         repairs=catalog.repairs("render"),
-        surface=surface_option,
+        surface=folder_option("--surface", "reconstruct"),
+        foam=folder_option("--foam", "foam"),
     message:
         "Render {wildcards.scene}, frames {params.frames}"
     shell:
@@ -31,5 +33,5 @@ rule render:
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
         " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/frames/{wildcards.block}"
-        " -- {sys.executable:q} -m render --spec {params.spec:q} --simulation {input.simulation:q} {params.surface:q}"
+        " -- {sys.executable:q} -m render --spec {params.spec:q} --simulation {input.simulation:q} {params.surface:q} {params.foam:q}"
         " --frames {params.frames} --fps {params.fps} --out @OUT --threads {threads}"

@@ -60,6 +60,8 @@ class StudyPlan:
             found["--simulation"] = plan.job("simulate", segment).folder
         if self.study.stage == "render" and plan.has_surface:
             found["--surface"] = plan.job("reconstruct", segment).folder
+        if self.study.stage == "render" and plan.has_foam:
+            found["--foam"] = plan.job("foam", segment).folder
         return found
 
     def command(self, name: str) -> list[str]:

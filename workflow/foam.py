@@ -1,0 +1,148 @@
+"""Fluid makes foam: folders of fluid_00042.ply become a folder of foam_00042.ply.
+
+example: foam of the first second of a simulation with particles of 1 cm radius
+  python -m workflow.foam --spec '{"particle_radius": 0.01, "support_radius": 0.04, "fps": 24}' \\
+      --simulation run/simulation --frames 0:24 --out run/foam
+
+--spec takes JSON or the name of a JSON file: particle_radius [m] and support_radius [m] of the fluid, fps, gravity,
+walls, and `foam`, the section of that name of a scene. Frame 0 has no foam; frames that begin later go on from
+--resume, the folder with the foam of the frame before. The points carry velocities (vx vy vz), radius, life (what is
+left [s]) and kind (0 spray, 1 foam, 2 bubble).
+
+exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from render.progress import Progress
+from sim.foam.spec import FoamJobSpec
+from sim.settings import Refused
+from workflow import stage
+from workflow.stage import Stopwatch, exit_code, read_spec, write_json
+from workflow.timeline import Frames
+
+KINDS = ("spray", "foam", "bubbles")
+
+
+def run(
+    spec: FoamJobSpec,
+    simulation: Sequence[Path],
+    frames: Frames,
+    out: Path,
+    *,
+    resume: Path | None = None,
+    threads: int = 1,
+    arch: str = "auto",
+) -> None:
+    """Write foam_*.ply and summary.json to `out`; raises Refused for particles that can not be used."""
+    watch = Stopwatch()
+    if frames.first > 0 and resume is None:
+        remedy = "give --resume, or start at frame 0"
+        raise Refused(f"frame {frames.first} needs the foam of frame {frames.first - 1}", remedy=remedy)
+    with watch.phase("import"):
+        import numpy as np
+
+        from sim import runtime
+
+        device = runtime.start(threads=threads, arch=arch)
+
+        from sim.files import write_points
+        from sim.foam.particles import FOAM_POINT, next_frame
+    out.mkdir(parents=True, exist_ok=True)
+    points, before = np.empty(0, FOAM_POINT), None
+    if frames.first > 0:
+        points = _points([resume], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names)
+        before = _points(simulation, f"fluid_{frames.first - 1:05d}.ply", ("id",))
+    rows: list[dict[str, Any]] = []
+    warnings = []
+    with Progress(len(frames)) as progress:
+        for frame in frames:
+            frame_watch = Stopwatch()
+            with watch.phase("load"):
+                after = _points(simulation, f"fluid_{frame:05d}.ply", ("id",))
+            with watch.phase("foam"):
+                if before is not None:
+                    points, full = next_frame(points, before, after, frame, spec)
+                    if full and not warnings:
+                        limit = spec.foam.max_particles
+                        warnings.append(f"no more than foam.max_particles = {limit} from frame {frame} on")
+            with watch.phase("write"):
+                write_points(out / f"foam_{frame:05d}.ply", points)
+            counts = np.bincount(points["kind"], minlength=len(KINDS)).tolist()
+            rows.append({"frame": frame, "particles": len(points), **dict(zip(KINDS, counts, strict=True))})
+            progress.report({"frame": frame, "wall_s": frame_watch.report()["total"]})
+            before = after
+    for warning in warnings:
+        print(f"foam: warning: {warning}")
+    summary = {
+        "status": "done",
+        "versions": {"taichi": version("taichi"), "numpy": np.__version__},
+        "device": device,
+        "threads": threads,
+        "frames": rows,
+        "warnings": warnings,
+        "wall_s": watch.report(),
+    }
+    write_json(out / "summary.json", summary)
+
+
+def _points(folders: Sequence[Path], name: str, wanted: Sequence[str]) -> Any:
+    """The records of a file in the first of the folders that has it; raises Refused."""
+    import numpy as np
+
+    from workflow.ply import BadPly, columns, read_points
+
+    path = next((folder / name for folder in folders if (folder / name).exists()), None)
+    if path is None:
+        raise Refused(f"{name} is in none of {', '.join(map(str, folders))}", remedy="make the frames before it first")
+    try:
+        points = read_points(path)
+        vectors = columns(points, ("x", "y", "z", "vx", "vy", "vz"))
+        columns(points[:0], wanted)
+    except BadPly as error:
+        raise Refused(str(error), remedy="make this frame again") from None
+    if not np.isfinite(vectors).all():
+        raise Refused(f"{path} holds numbers that are not finite", remedy="make this frame again")
+    return points
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m workflow.foam", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    parser.add_argument(
+        "--simulation", required=True, nargs="+", type=Path, metavar="DIR", help="folders with fluid_*.ply"
+    )
+    parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
+    parser.add_argument("--resume", type=Path, metavar="DIR", help="folder with the foam of the frame before the first")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for foam_*.ply and summary.json")
+    parser.add_argument("--threads", type=int, default=1, metavar="N", help="CPU threads (default 1)")
+    parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="where to compute")
+    given = parser.parse_args(argv)
+    if given.threads < 1:
+        parser.error("--threads must be at least 1")
+
+    def work() -> None:
+        spec = read_spec(FoamJobSpec, given.spec)
+        run(
+            spec,
+            given.simulation,
+            given.frames,
+            given.out,
+            resume=given.resume,
+            threads=given.threads,
+            arch=given.arch,
+        )
+
+    return exit_code(work, "foam")
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
