@@ -51,7 +51,8 @@ def _balls(material: Any) -> Any:
     radius.data_type = "FLOAT"
     radius.inputs["Name"].default_value = RADIUS
     dressed.inputs["Material"].default_value = material
-    tree.links.new(radius.outputs["Attribute"], points.inputs["Radius"])
+    # Blender 3 has an output of each type, of which one is shown.
+    tree.links.new(next(output for output in radius.outputs if output.enabled), points.inputs["Radius"])
     for source, target, key in ((start, points, 0), (points, dressed, "Geometry"), (dressed, end, 0)):
         tree.links.new(source.outputs[0], target.inputs[key])
     return tree

@@ -45,7 +45,7 @@ f 1 4 2
 f 2 4 3
 """
 STAGES = {
-    **{"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film"},
+    **{"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film", "Foam": "foam"},
     **{"Trial": "trial", "Study": "study", "Wedge": "wedge"},
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,6 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from render.spec import RenderSpec
+from sim.foam.spec import FoamSpec
 from sim.spec import SimulationSpec
 from workflow.film_spec import FilmSpec
 from workflow.plan import Plan
@@ -21,7 +23,9 @@ WATER = {"particle_radius": 0.1, "bodies": {"block": {"shape": BOX}}}
 STONE = {"bodies": {"stone": {"motion": "static", "shape": BOX}}}
 
 
-def scene(seconds: float = 2, surface: dict | None = None, render: dict | None = None, **simulation):
+def scene(
+    seconds: float = 2, surface: dict | None = None, render: dict | None = None, foam: dict | None = None, **simulation
+):
     spec = SimulationSpec(fps=24, **simulation)
     return SimpleNamespace(
         name="pond",
@@ -31,6 +35,7 @@ def scene(seconds: float = 2, surface: dict | None = None, render: dict | None =
         duration=seconds,
         simulation=spec,
         surface=SurfaceSpec(**(surface or {})),
+        foam=None if foam is None else FoamSpec(**foam),
         render=RenderSpec(**(render or {})),
         film=FilmSpec(),
         assets={},
@@ -44,7 +49,7 @@ def plan(**settings) -> Plan:
 
 def changed(before: Plan, after: Plan) -> set[str]:
     """Names of the jobs whose plan differs, or that are new."""
-    stages = ("simulate", "reconstruct", "render", "film")
+    stages = ("simulate", "reconstruct", "foam", "render", "film")
     old = {job.folder: job.plan for stage in stages for job in before.jobs(stage)}
     new = {job.folder: job.plan for stage in stages for job in after.jobs(stage)}
     return {name for name, digest in new.items() if old.get(name) != digest}
@@ -121,3 +126,23 @@ def test_code_of_cloth_counts_for_scenes_with_cloth_only(tmp_path):
     after = codes()
     assert after[0] == before[0]
     assert after[1] != before[1]
+
+
+def test_foam_changes_foam_pictures_and_film_alone():
+    found = changed(plan(fluid=WATER, foam={}), plan(fluid=WATER, foam={"seed": 1}))
+    assert {folder.split("/")[-2] for folder in found} == {"foam", "frames", "renders"}
+
+
+def test_walls_of_foam_are_those_of_the_scene():
+    floor = {"bodies": {"floor": {"shape": {"type": "plane"}, "position": [0, -0.5, 0]}}}
+    pool = {"pool": {"type": "box", "size": [2, 1, 4], "position": [1, 0, 0]}}
+    spec = json.loads(plan(fluid=WATER, foam={}, rigid=floor, containers=pool).job("foam").spec)
+    found = {(*wall["normal"], wall["offset"]) for wall in spec["walls"]}
+    sides = {(1, 0, 0, 0), (-1, 0, 0, -2), (0, 1, 0, 0), (0, 0, 1, -2), (0, 0, -1, -2)}
+    assert found == {(0, 1, 0, -0.5), *sides}
+
+
+def test_there_is_no_foam_without_the_setting():
+    with pytest.raises(IndexError, match="has no `foam:`"):
+        plan(fluid=WATER).job("foam")
+    assert plan(fluid=WATER).jobs("foam") == []
