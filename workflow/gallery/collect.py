@@ -1,0 +1,98 @@
+"""From a finished film to the files of the gallery."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from workflow.gallery.shots import FOLDER, Shot
+from workflow.manifest import Manifest
+from workflow.plan import FILMS, Plan
+from workflow.scene import load
+from workflow.shelf import SCENE_FILES
+from workflow.stage import write_json, write_whole
+
+LARGE = {"resolution": [960, 540], "samples": 64}
+"""Of the large picture, which is rendered anew."""
+LOOP_WIDTH = 480
+LOOP_QUALITY = 55
+STILL_QUALITY = 90
+COUNTS = {"particles": "particles", "boundary_samples": "samples", "steps": "steps"}
+
+
+class NotMade(Exception):
+    """A film that is not there, or not as its scene now says."""
+
+
+def collect(shot: Shot, root: Path) -> None:
+    """Write NAME.mp4, NAME.webp, NAME.jpg and NAME.json; raises NotMade and SceneError."""
+    scene = load(SCENE_FILES.find(shot.scene))
+    plan = Plan(scene, root)
+    film = Path(FILMS, shot.scene)
+    manifest = Manifest.read(film)
+    command = f"snakemake --cores 2 {film}"
+    if manifest is None or manifest.plan != plan.job("film").plan:
+        raise NotMade(f"{film} is not there, or not as the scene now says: run {command}")
+    summary = json.loads((film / "summary.json").read_text())
+    pictures = sorted((film / "frames").glob("*.png"))
+    if shot.frame >= len(pictures):
+        raise NotMade(f"{film} has no frame {shot.frame}, only 0 to {len(pictures) - 1}")
+    folder = root / FOLDER
+    shutil.copyfile(film / f"{film.name}.mp4", folder / f"{film.name}.mp4")
+    _loop(pictures, folder / f"{film.name}.webp", summary["playback_fps"])
+    _still(plan, shot.frame, folder / f"{film.name}.jpg")
+    write_json(folder / f"{film.name}.json", _record(summary, command))
+
+
+def _record(summary: dict[str, Any], command: str) -> dict[str, Any]:
+    counts = summary["counts"]
+    return {
+        "command": command,
+        "quality": summary["quality"],
+        "frames": summary["frames"],
+        "fps": summary["fps"],
+        "size": summary["size"],
+        "large": LARGE,
+        **{name: counts[key] for key, name in COUNTS.items() if counts.get(key)},
+        "wall_s": {stage: round(phases["total"], 1) for stage, phases in summary["wall_s"].items() if stage != "total"},
+        "versions": summary["versions"],
+    }
+
+
+def _loop(pictures: Sequence[Path], out: Path, fps: float) -> None:
+    """The film as a small animated picture, which pages show without a player."""
+    from PIL import Image
+
+    frames = []
+    for path in pictures:
+        with Image.open(path) as picture:
+            height = round(LOOP_WIDTH * picture.height / picture.width)
+            frames.append(picture.convert("RGB").resize((LOOP_WIDTH, height), Image.Resampling.LANCZOS))
+    first, *others = frames
+    settings = {"duration": round(1000 / fps), "loop": 0, "quality": LOOP_QUALITY, "method": 6}
+    write_whole(out, lambda partial: first.save(partial, "WEBP", save_all=True, append_images=others, **settings))
+
+
+def _still(plan: Plan, frame: int, out: Path) -> None:
+    """One frame, rendered larger from the film's own files."""
+    from PIL import Image
+
+    index = next(k for k, job in enumerate(plan.jobs("simulate")) if job.frames.first <= frame <= job.frames.last)
+    settings = {**json.loads(plan.job("render").spec), **LARGE}
+    words = ["--spec", json.dumps(settings), "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
+    for option, stage in (("--simulation", "simulate"), ("--surface", "reconstruct"), ("--foam", "foam")):
+        if plan.parts(stage):
+            words += [option, plan.job(stage, index).folder]
+    with tempfile.TemporaryDirectory() as scratch:
+        done = subprocess.run([sys.executable, "-m", "render", *words, "--out", scratch])
+        if done.returncode:
+            raise NotMade(f"frame {frame} of {plan.scene.name} can not be rendered")
+        with Image.open(Path(scratch, f"{frame:05d}.png")) as picture:
+            whole = picture.convert("RGB")
+    write_whole(out, lambda partial: whole.save(partial, "JPEG", quality=STILL_QUALITY))

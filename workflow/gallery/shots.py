@@ -1,0 +1,47 @@
+"""What is shown: docs/gallery/shots.yaml."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from annotated_types import Ge, Len
+from pydantic import Field, ValidationError
+
+from sim.settings import Settings
+from workflow.document import read
+from workflow.problems import explain
+
+FOLDER = Path("docs/gallery")
+PAGE = Path("docs/gallery.md")
+
+
+class Shot(Settings):
+    """One film of the gallery."""
+
+    scene: str
+    title: str
+    says: str
+    """What the scene does, in a sentence or two of Markdown."""
+    seen: str
+    """What is seen, for those who can not see it."""
+    frame: Annotated[int, Ge(0)]
+    """That the large picture shows."""
+
+
+class Shots(Settings):
+    """All of them, in the order of the page."""
+
+    intro: str
+    shots: Annotated[tuple[Shot, ...], Len(1)] = Field()
+
+
+def shots(root: Path) -> Shots:
+    """Those of a checkout; raises SceneError for a file that can not be used."""
+    from workflow.document import SceneError
+
+    document = read(root / FOLDER / "shots.yaml")
+    try:
+        return Shots.model_validate(document.data)
+    except ValidationError as error:
+        raise SceneError(explain(error, document, Shots)) from None
