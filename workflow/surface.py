@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pysplashsurf
 
+from workflow.sheets import whole_sheets
 from workflow.surface_spec import ReconstructSpec
 
 
@@ -40,6 +41,8 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     if not len(positions):
         nothing = np.empty((0, 3), np.float32)
         return Surface(nothing, nothing, nothing, np.empty((0, 3), np.int32))
+    if surface.sheets.enabled:
+        positions, velocities = whole_sheets(positions, velocities, 2 * spec.particle_radius, surface.sheets)
     found, _ = pysplashsurf.reconstruction_pipeline(
         positions,
         attributes_to_interpolate={"velocity": velocities},
