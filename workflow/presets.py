@@ -20,7 +20,7 @@ PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
         },
         "render": {
             "resolution": [480, 270],
-            "samples": 10,
+            "samples": 8,
             "noise_threshold": 0.05,
             "bounces": 8,
             "motion_blur": False,
@@ -30,7 +30,7 @@ PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
     },
     "standard": {
         "surface": {"cube_size": 1.0, "surface_threshold": 0.5},
-        "render": {"resolution": [640, 360], "samples": 16, "noise_threshold": 0.05},
+        "render": {"resolution": [640, 360], "samples": 8, "noise_threshold": 0.05},
     },
     "final": {
         "surface": {"cube_size": 0.75, "surface_threshold": 0.55},
