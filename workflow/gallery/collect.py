@@ -13,12 +13,13 @@ from typing import Any
 
 from workflow.gallery.shots import FOLDER, Shot
 from workflow.manifest import Manifest
-from workflow.plan import FILMS, Plan
+from workflow.plan import Job, Plan
+from workflow.presets import Quality
 from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 from workflow.stage import write_json, write_whole
 
-LARGE = {"resolution": [960, 540], "samples": 64}
+LARGE = {"resolution": [960, 540], "samples": 24}
 """Of the large picture, which is rendered anew."""
 LOOP_WIDTH = 480
 LOOP_QUALITY = 55
@@ -32,37 +33,48 @@ class NotMade(Exception):
 
 def collect(shot: Shot, root: Path) -> None:
     """Write NAME.mp4, NAME.webp, NAME.jpg and NAME.json; raises NotMade and SceneError."""
-    scene = load(SCENE_FILES.find(shot.scene))
-    plan = Plan(scene, root)
-    film = Path(FILMS, shot.scene)
-    manifest = Manifest.read(film)
-    command = f"snakemake --cores 2 {film}"
-    if manifest is None or manifest.plan != plan.job("film").plan:
-        raise NotMade(f"{film} is not there, or not as the scene now says: run {command}")
-    summary = json.loads((film / "summary.json").read_text())
-    pictures = sorted((film / "frames").glob("*.png"))
+    plan = _plan(shot, shot.quality, root)
+    film = plan.job("film")
+    command = f"snakemake --cores 2 {film.folder}" + (f" --config quality={shot.quality}" if shot.quality else "")
+    _require(film, command)
+    made, name = Path(film.folder), Path(film.folder).name
+    summary = json.loads((made / "summary.json").read_text())
+    pictures = sorted((made / "frames").glob("*.png"))
     if shot.frame >= len(pictures):
-        raise NotMade(f"{film} has no frame {shot.frame}, only 0 to {len(pictures) - 1}")
+        raise NotMade(f"{made} has no frame {shot.frame}, only 0 to {len(pictures) - 1}")
     folder = root / FOLDER
-    shutil.copyfile(film / f"{film.name}.mp4", folder / f"{film.name}.mp4")
-    _loop(pictures, folder / f"{film.name}.webp", summary["playback_fps"])
-    _still(plan, shot.frame, folder / f"{film.name}.jpg")
-    write_json(folder / f"{film.name}.json", _record(summary, command))
+    still = _still(_plan(shot, shot.picture, root) if shot.picture else plan, shot.frame, folder / f"{name}.jpg")
+    shutil.copyfile(made / f"{name}.mp4", folder / f"{name}.mp4")
+    _loop(pictures, folder / f"{name}.webp", summary["playback_fps"])
+    write_json(folder / f"{name}.json", {**_record(summary, command), "picture": still})
+
+
+def _plan(shot: Shot, quality: Quality | None, root: Path) -> Plan:
+    return Plan(load(SCENE_FILES.find(shot.scene), quality=quality), root)
+
+
+def _require(job: Job, command: str) -> None:
+    manifest = Manifest.read(Path(job.folder))
+    if manifest is None or manifest.plan != job.plan:
+        raise NotMade(f"{job.folder} is not there, or not as the scene now says: run {command}")
 
 
 def _record(summary: dict[str, Any], command: str) -> dict[str, Any]:
-    counts = summary["counts"]
     return {
         "command": command,
         "quality": summary["quality"],
         "frames": summary["frames"],
         "fps": summary["fps"],
         "size": summary["size"],
-        "large": LARGE,
-        **{name: counts[key] for key, name in COUNTS.items() if counts.get(key)},
+        **_counts(summary),
         "wall_s": {stage: round(phases["total"], 1) for stage, phases in summary["wall_s"].items() if stage != "total"},
         "versions": summary["versions"],
     }
+
+
+def _counts(summary: dict[str, Any]) -> dict[str, int]:
+    counts = summary["counts"]
+    return {name: counts[key] for key, name in COUNTS.items() if counts.get(key)}
 
 
 def _loop(pictures: Sequence[Path], out: Path, fps: float) -> None:
@@ -79,8 +91,8 @@ def _loop(pictures: Sequence[Path], out: Path, fps: float) -> None:
     write_whole(out, lambda partial: first.save(partial, "WEBP", save_all=True, append_images=others, **settings))
 
 
-def _still(plan: Plan, frame: int, out: Path) -> None:
-    """One frame, rendered larger from the film's own files."""
+def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
+    """One frame, rendered larger from the files of a film; returns the record of it."""
     from PIL import Image
 
     index = next(k for k, job in enumerate(plan.jobs("simulate")) if job.frames.first <= frame <= job.frames.last)
@@ -88,7 +100,9 @@ def _still(plan: Plan, frame: int, out: Path) -> None:
     words = ["--spec", json.dumps(settings), "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
     for option, stage in (("--simulation", "simulate"), ("--surface", "reconstruct"), ("--foam", "foam")):
         if plan.parts(stage):
-            words += [option, plan.job(stage, index).folder]
+            job = plan.job(stage, index)
+            _require(job, f"snakemake --cores 2 {job.folder}")
+            words += [option, job.folder]
     with tempfile.TemporaryDirectory() as scratch:
         done = subprocess.run([sys.executable, "-m", "render", *words, "--out", scratch])
         if done.returncode:
@@ -96,3 +110,5 @@ def _still(plan: Plan, frame: int, out: Path) -> None:
         with Image.open(Path(scratch, f"{frame:05d}.png")) as picture:
             whole = picture.convert("RGB")
     write_whole(out, lambda partial: whole.save(partial, "JPEG", quality=STILL_QUALITY))
+    summary = json.loads(Path(plan.job("simulate", index).folder, "summary.json").read_text())
+    return {"quality": plan.scene.quality, "render": LARGE, **_counts(summary)}

@@ -42,6 +42,10 @@ def _figures(record: dict[str, Any]) -> str:
     names = {"particles": "fluid particles", "samples": "samples on solids", "steps": "steps"}
     cells |= {name: f"{record[key]:,}" for key, name in names.items() if key in record}
     cells |= {name: _duration(record["wall_s"][stage]) for stage, name in STAGES.items() if stage in record["wall_s"]}
+    picture = record["picture"]
+    if picture["quality"] != record["quality"]:
+        particles = f", {picture['particles']:,} particles" if "particles" in picture else ""
+        cells["large picture"] = picture["quality"] + particles
     lines = (cells.keys(), ("---" for _ in cells), cells.values())
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from sim.settings import Settings
 from workflow.document import read
+from workflow.presets import Quality
 from workflow.problems import explain
 
 FOLDER = Path("docs/gallery")
@@ -27,6 +28,10 @@ class Shot(Settings):
     """What is seen, for those who can not see it."""
     frame: Annotated[int, Ge(0)]
     """That the large picture shows."""
+    quality: Quality | None = None
+    """Preset of the film, where it is not the scene's own."""
+    picture: Quality | None = None
+    """Preset of the large picture, where it is finer than the film."""
 
 
 class Shots(Settings):

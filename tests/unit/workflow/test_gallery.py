@@ -14,6 +14,8 @@ ROOT = Path(__file__).resolve().parents[3]
 SHOT = {"title": "Pond", "says": "It is still.", "seen": "A pond", "frame": 3}
 RECORD = {
     "command": "snakemake --cores 2 renders/pond",
+    "quality": "standard",
+    "picture": {"quality": "final", "particles": 9876543},
     "frames": 49,
     "fps": 24.0,
     "size": [640, 360],
@@ -42,6 +44,6 @@ def test_figures_are_those_of_the_record(tmp_path):
     (tmp_path / FOLDER / "pond.json").write_text(json.dumps(RECORD))
     gallery = Shots(intro="Films.", shots=(Shot(scene="pond", **SHOT), Shot(scene="lake", **SHOT)))
     text = page(gallery, tmp_path)
-    assert "| 49 of 640 x 360, 24 a second | 1,234,567 | 99 s | 12 s | 20 min |" in text
+    assert "| 49 of 640 x 360, 24 a second | 1,234,567 | 99 s | 12 s | 20 min | final, 9,876,543 particles |" in text
     assert "`snakemake --cores 2 renders/pond`" in text
     assert "Not shown here yet: [lake](../scenes/lake.yaml)." in text
