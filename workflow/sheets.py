@@ -22,6 +22,9 @@ LEAST = 4
 FLAT = 0.5
 """Thickness over extent, as standard deviations, below which it is a sheet: that of one layer is 0, of the half-space
 below the surface of bulk 0.55."""
+LAYER = 0.3
+"""Standard deviation across a sheet, in spacings, below which it is one layer: two have 0.5, and would lose volume to
+the smoothing of their surface if they were filled."""
 ROOM = 0.72
 """Distance that a new particle keeps from all others, in spacings: more than from the middle of a square of four to
 its corners, or sheets that are not stretched would be filled too."""
@@ -35,51 +38,46 @@ Cloud = tuple[np.ndarray, np.ndarray]
 
 
 def whole_sheets(positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Sheets) -> Cloud:
-    """The particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3], of `spacing` [m]: those of thin
-    sheets moved into them, followed by the new ones that fill gaps of up to `spec.reach` spacings. Drops, threads and
-    bulk stay as they are, to the last bit."""
+    """The particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3], of `spacing` [m]: those of
+    single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings. Drops, threads
+    and bulk stay as they are, to the last bit."""
     points = positions.astype(np.float64)
-    sheet = np.flatnonzero(_flatness(points, spacing, spec.reach) < FLAT)
-    first, second = _gaps(points, sheet, spacing, spec.reach)
+    layer, normal = _layers(points, spacing, spec.reach)
+    points[layer] += _into_layer(points, layer, normal, spacing)
+    first, second = _gaps(points, layer, spacing, spec.reach)
     middle = (points[first] + points[second]) / 2
-    moved = np.concatenate([sheet, len(points) + np.arange(len(middle))])
-    filled = np.concatenate([points, middle])
-    filled[moved] = _flattened(filled, moved, spacing)
     between = (velocities[first] + velocities[second]) / 2
-    result = np.concatenate([positions, middle.astype(np.float32)])
-    result[moved] = filled[moved]
-    return result, np.concatenate([velocities, between.astype(np.float32)])
+    cloud = np.concatenate([points, middle]), np.concatenate([velocities, between])
+    return cloud[0].astype(np.float32), cloud[1].astype(np.float32)
 
 
-def _flatness(points: np.ndarray, spacing: float, reach: float) -> np.ndarray:
-    """Of the cloud around each particle, the least over the greatest standard deviation, shape [n]: 0 in a plane, 1 in
-    bulk. It is 1 too for threads, and where there are too many neighbours for a sheet, or too few."""
-    flatness = np.ones(len(points))
+def _layers(points: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which particles are of a single layer, shape [m], and the unit normals of it, shape [m, 3]: the cloud around them
+    is thin in one direction and wide in two."""
     tree = KDTree(points)
     beside = tree.query_ball_point(points, NEXT * spacing, return_length=True) - 1
     some = np.flatnonzero(beside < LAYERED)
-    radius = reach * spacing
-    center, other, weight = _neighbours(points, some, tree, radius)
+    center, other, weight = _neighbours(points, some, tree, reach * spacing)
     way = points[other] - points[some[center]]
-    count = np.bincount(center, minlength=len(some))
     total = np.bincount(center, weight, len(some))
     mean = _sums(center, weight[:, None] * way, len(some)) / total[:, None]
     off = way - mean[center]
     covariance = np.empty((len(some), 3, 3))
     for row in range(3):
         covariance[:, row] = _sums(center, (weight * off[:, row])[:, None] * off, len(some)) / total[:, None]
-    deviation = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
-    enough = (count > LEAST) & (deviation[:, 1] > FLAT * deviation[:, 2])
-    flatness[some[enough]] = deviation[enough, 0] / deviation[enough, 2]
-    return flatness
+    variance, direction = np.linalg.eigh(covariance)
+    thickness, width, length = np.sqrt(np.maximum(variance, 0.0)).T
+    enough = np.bincount(center, minlength=len(some)) > LEAST
+    layer = enough & (thickness < LAYER * spacing) & (thickness < FLAT * length) & (width > FLAT * length)
+    return some[layer], direction[layer, :, 0]
 
 
-def _gaps(points: np.ndarray, thin: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of particles of thin sheets with room for one between them, the nearest first, as two arrays."""
-    pairs = KDTree(points[thin]).query_pairs(reach * spacing, output_type="ndarray")
-    length = np.linalg.norm(points[thin[pairs[:, 0]]] - points[thin[pairs[:, 1]]], axis=1)
+def _gaps(points: np.ndarray, layer: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of particles of a layer with room for one between them, the nearest first, as two arrays."""
+    pairs = KDTree(points[layer]).query_pairs(reach * spacing, output_type="ndarray")
+    length = np.linalg.norm(points[layer[pairs[:, 0]]] - points[layer[pairs[:, 1]]], axis=1)
     wide = length > 2 * ROOM * spacing
-    pairs, length = thin[pairs[wide]], length[wide]
+    pairs, length = layer[pairs[wide]], length[wide]
     # equal lengths in the order of particles, for which a tree has none of its own
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0], length))]
     middle = points[pairs].mean(axis=1)
@@ -105,12 +103,12 @@ def _first_of_crowds(points: np.ndarray, distance: float) -> np.ndarray:
     return kept
 
 
-def _flattened(points: np.ndarray, which: np.ndarray, spacing: float) -> np.ndarray:
-    """Where those `which` go: most of the way to the weighted mean around each, itself included."""
+def _into_layer(points: np.ndarray, which: np.ndarray, normal: np.ndarray, spacing: float) -> np.ndarray:
+    """The ways [m] of those `which`: along the normal, most of the way to the weighted mean around each."""
     center, other, weight = _neighbours(points, which, KDTree(points), SUPPORT * spacing)
-    total = np.bincount(center, weight, len(which))
-    mean = _sums(center, weight[:, None] * points[other], len(which)) / total[:, None]
-    return (1 - SHARE) * points[which] + SHARE * mean
+    height = np.einsum("ij,ij->i", points[other] - points[which[center]], normal[center])
+    mean = np.bincount(center, weight * height, len(which)) / np.bincount(center, weight, len(which))
+    return SHARE * mean[:, None] * normal
 
 
 def _neighbours(
