@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pysplashsurf
 
-from workflow.sheets import whole_sheets
+from workflow.layers import whole_layers
 from workflow.surface_spec import ReconstructSpec
 
 
@@ -41,8 +41,8 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     if not len(positions):
         nothing = np.empty((0, 3), np.float32)
         return Surface(nothing, nothing, nothing, np.empty((0, 3), np.int32))
-    if surface.sheets.enabled:
-        positions, velocities = whole_sheets(positions, velocities, 2 * spec.particle_radius, surface.sheets)
+    if surface.layers.enabled:
+        positions, velocities = whole_layers(positions, velocities, 2 * spec.particle_radius, surface.layers)
     found, _ = pysplashsurf.reconstruction_pipeline(
         positions,
         attributes_to_interpolate={"velocity": velocities},

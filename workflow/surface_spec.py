@@ -1,7 +1,7 @@
 """Typed settings of the surface: how particles become a closed triangle mesh.
 
 The defaults follow Löschner, Böttcher, Jeske & Bender (2023), "Weighted Laplacian Smoothing for
-Surface Reconstruction of Particle-based Fluids"; thin sheets are made whole before, see workflow/sheets.py.
+Surface Reconstruction of Particle-based Fluids"; thin sheets are made whole before, see workflow/layers.py.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class MeshCleanup(Settings):
     """Remove the small bumps that remain on smooth surfaces."""
 
 
-class Sheets(Settings):
-    """Thin sheets of fluid, whose particles would be bumps and holes."""
+class Layers(Settings):
+    """Thin sheets of fluid, of a single layer of particles, which would be bumps and holes."""
 
     enabled: bool = True
     """Fill gaps where a layer of particles is stretched, and flatten it; drops, threads and bulk stay as they are."""
@@ -63,7 +63,7 @@ class SurfaceSpec(Settings):
     """Edge of a marching cube, in particle radii [1]: halving it makes about 4 times the triangles."""
     surface_threshold: Annotated[Dimensionless, Gt(0), Le(1.5)] = 0.6
     """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
-    sheets: Sheets = Sheets()
+    layers: Layers = Layers()
     smoothing: MeshSmoothing = MeshSmoothing()
     cleanup: MeshCleanup = MeshCleanup()
     normals: Normals = Normals()

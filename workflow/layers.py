@@ -1,4 +1,4 @@
-"""Thin sheets of fluid, made whole and flat before their surface is looked for.
+"""Single layers of particles, made whole and flat before their surface is looked for.
 
 Where fluid lies in one layer, its particles are the bumps of its surface, and holes open as soon as they part.
 Such layers are filled where they are stretched (Ando, Thürey & Tsuruno 2012, "Preserving Fluid Sheets with Adaptively
@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
-from workflow.surface_spec import Sheets
+from workflow.surface_spec import Layers
 
 NEXT = 1.5
 """Particles nearer than this are next to one another, in spacings: 8 in a layer, 18 in bulk."""
@@ -37,7 +37,7 @@ Cloud = tuple[np.ndarray, np.ndarray]
 """Positions [m] and velocities [m/s], float32, shape [n, 3]."""
 
 
-def whole_sheets(positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Sheets) -> Cloud:
+def whole_layers(positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Layers) -> Cloud:
     """The particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3], of `spacing` [m]: those of
     single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings. Drops, threads
     and bulk stay as they are, to the last bit."""

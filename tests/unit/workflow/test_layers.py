@@ -8,9 +8,9 @@ import trimesh
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from workflow.sheets import _first_of_crowds, whole_sheets
+from workflow.layers import _first_of_crowds, whole_layers
 from workflow.surface import reconstruct
-from workflow.surface_spec import ReconstructSpec, Sheets
+from workflow.surface_spec import Layers, ReconstructSpec
 
 SPACING = 0.02
 ROOM = 0.72 * SPACING
@@ -31,7 +31,7 @@ def still(points: np.ndarray) -> np.ndarray:
 
 
 def wholed(points: np.ndarray, **settings: float) -> np.ndarray:
-    return whole_sheets(points, still(points), SPACING, Sheets(**settings))[0]
+    return whole_layers(points, still(points), SPACING, Layers(**settings))[0]
 
 
 def ball() -> np.ndarray:
@@ -54,8 +54,8 @@ def test_what_is_no_sheet_stays_as_it_is(cloud: np.ndarray) -> None:
     assert np.array_equal(wholed(cloud), cloud)
 
 
-def surface_of(points: np.ndarray, **sheets: object) -> trimesh.Trimesh:
-    spec = ReconstructSpec.model_validate({"particle_radius": SPACING / 2, "surface": {"sheets": sheets}})
+def surface_of(points: np.ndarray, **layers: object) -> trimesh.Trimesh:
+    spec = ReconstructSpec.model_validate({"particle_radius": SPACING / 2, "surface": {"layers": layers}})
     found = reconstruct(points, still(points), spec)
     return trimesh.Trimesh(found.vertices, found.triangles, process=False)
 
@@ -120,7 +120,7 @@ def test_new_particles_go_with_those_on_both_sides() -> None:
     """The velocity of a sheet that is pulled apart evenly is linear, and so it is between its particles."""
     points = lattice(10, 1, 10, spacing=1.5 * SPACING)
     rate = 3.0
-    result, velocities = whole_sheets(points, rate * points, SPACING, Sheets())
+    result, velocities = whole_layers(points, rate * points, SPACING, Layers())
     new = slice(len(points), None)
     assert len(result[new]) > 0
     centers = velocities[new] / rate
@@ -131,8 +131,8 @@ def test_new_particles_go_with_those_on_both_sides() -> None:
 
 def test_no_two_new_particles_crowd() -> None:
     points = lattice(10, 1, 10, spacing=1.9 * SPACING)
-    result, _ = whole_sheets(points, points, SPACING, Sheets())
-    _, middle = whole_sheets(points, points, SPACING, Sheets())
+    result, _ = whole_layers(points, points, SPACING, Layers())
+    _, middle = whole_layers(points, points, SPACING, Layers())
     assert len(result) > len(points)
     assert len(KDTree(middle[len(points) :]).query_pairs(0.999 * ROOM)) == 0
 
