@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
+from sim.geometry.thinning import first_come
 from workflow.surface_spec import Layers
 
 NEXT = 1.5
@@ -42,8 +43,9 @@ def whole_layers(positions: np.ndarray, velocities: np.ndarray, spacing: float, 
     single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings. Drops, threads
     and bulk stay as they are, to the last bit."""
     points = positions.astype(np.float64)
-    layer, normal = _layers(points, spacing, spec.reach)
-    points[layer] += _into_layer(points, layer, normal, spacing)
+    tree = KDTree(points)
+    layer, normal = _layers(points, tree, spacing, spec.reach)
+    points[layer] += _into_layer(points, tree, layer, normal, spacing)
     first, second = _gaps(points, layer, spacing, spec.reach)
     middle = (points[first] + points[second]) / 2
     between = (velocities[first] + velocities[second]) / 2
@@ -51,10 +53,9 @@ def whole_layers(positions: np.ndarray, velocities: np.ndarray, spacing: float, 
     return cloud[0].astype(np.float32), cloud[1].astype(np.float32)
 
 
-def _layers(points: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+def _layers(points: np.ndarray, tree: KDTree, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
     """Which particles are of a single layer, shape [m], and the unit normals of it, shape [m, 3]: the cloud around them
     is thin in one direction and wide in two."""
-    tree = KDTree(points)
     beside = tree.query_ball_point(points, NEXT * spacing, return_length=True) - 1
     some = np.flatnonzero(beside < LAYERED)
     center, other, weight = _neighbours(points, some, tree, reach * spacing)
@@ -83,29 +84,13 @@ def _gaps(points: np.ndarray, layer: np.ndarray, spacing: float, reach: float) -
     middle = points[pairs].mean(axis=1)
     nearest, _ = KDTree(points).query(middle, distance_upper_bound=ROOM * spacing)
     pairs, middle = pairs[nearest > ROOM * spacing], middle[nearest > ROOM * spacing]
-    kept = _first_of_crowds(middle, ROOM * spacing)
+    kept = first_come(middle, ROOM * spacing)
     return pairs[kept, 0], pairs[kept, 1]
 
 
-def _first_of_crowds(points: np.ndarray, distance: float) -> np.ndarray:
-    """Which of `points` stay if each, in their order, drives away later ones that are nearer than `distance`."""
-    kept = np.zeros(len(points), bool)
-    undecided = np.ones(len(points), bool)
-    close = KDTree(points).query_pairs(distance, output_type="ndarray") if len(points) else np.empty((0, 2), int)
-    while undecided.any():
-        after = np.zeros(len(points), bool)
-        after[close[:, 1]] = True
-        chosen = undecided & ~after
-        kept |= chosen
-        undecided &= ~chosen
-        undecided[close[chosen[close[:, 0]], 1]] = False
-        close = close[undecided[close].all(axis=1)]
-    return kept
-
-
-def _into_layer(points: np.ndarray, which: np.ndarray, normal: np.ndarray, spacing: float) -> np.ndarray:
+def _into_layer(points: np.ndarray, tree: KDTree, which: np.ndarray, normal: np.ndarray, spacing: float) -> np.ndarray:
     """The ways [m] of those `which`: along the normal, most of the way to the weighted mean around each."""
-    center, other, weight = _neighbours(points, which, KDTree(points), SUPPORT * spacing)
+    center, other, weight = _neighbours(points, which, tree, SUPPORT * spacing)
     height = np.einsum("ij,ij->i", points[other] - points[which[center]], normal[center])
     mean = np.bincount(center, weight * height, len(which)) / np.bincount(center, weight, len(which))
     return SHARE * mean[:, None] * normal

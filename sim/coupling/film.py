@@ -21,7 +21,7 @@ from sim.fluid.calibration import lack
 from sim.fluid.moving import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance import cover
-from sim.geometry.scatter import first_come
+from sim.geometry.thinning import first_come
 from sim.neighbors import NeighborList
 
 APART = 0.8

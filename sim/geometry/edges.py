@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.geometry.scatter import EDGE_DISK, SHARP, first_come
+from sim.geometry.scatter import EDGE_DISK, SHARP
+from sim.geometry.thinning import first_come
 
 if TYPE_CHECKING:
     import trimesh

@@ -107,7 +107,7 @@ def _steps(length: float, spacing: float) -> int:
 
 
 def _scattered(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
-    from sim.geometry import cache, distance, scatter, topology
+    from sim.geometry import cache, distance, scatter, thinning, topology
 
     _check_number(topology.surface_area(mesh) / spacing**2, spacing)
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
@@ -116,7 +116,7 @@ def _scattered(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
         lambda: {"points": scatter.scatter(mesh, spacing)},
         arguments={"spacing": spacing},
         arrays=[vertices, faces],
-        sources=[module.__file__ for module in (scatter, distance)],
+        sources=[module.__file__ for module in (scatter, distance, thinning)],
     )
     return stored["points"]
 

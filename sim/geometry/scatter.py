@@ -12,6 +12,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from sim.geometry.distance import closest_on_triangles
+from sim.geometry.thinning import first_come
 
 # Radius of the disks over the spacing: a saturated set of them has about one sample in spacing^2.
 _DISK = 0.775
@@ -58,23 +59,6 @@ def _throw(corners: np.ndarray, fixed: np.ndarray, spacing: float, random: np.ra
         if len(candidate):
             points = np.concatenate([points, candidate[first_come(candidate, radius)]])
     return points, np.concatenate(pool), np.concatenate(pool_face)
-
-
-def first_come(points: np.ndarray, radius: float) -> np.ndarray:
-    """Indices of a maximal subset with no two points within `radius`, earlier points first."""
-    pairs = cKDTree(points).query_pairs(radius, output_type="ndarray")
-    undecided = np.ones(len(points), dtype=bool)
-    kept = np.zeros(len(points), dtype=bool)
-    while undecided.any():
-        # query_pairs returns i < j: j waits while an earlier neighbour may still be kept.
-        pairs = pairs[undecided[pairs].all(axis=1)]
-        waiting = np.zeros(len(points), dtype=bool)
-        waiting[pairs[:, 1]] = True
-        chosen = undecided & ~waiting
-        kept |= chosen
-        undecided &= ~chosen
-        undecided[pairs[chosen[pairs[:, 0]], 1]] = False
-    return np.flatnonzero(kept)
 
 
 def _relax(

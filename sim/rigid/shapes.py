@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.geometry import cache, distance, edges, normal_cones, scatter, winding
+from sim.geometry import cache, distance, edges, normal_cones, scatter, thinning, winding
 from sim.geometry.solids import (
     BoxSolid,
     CapsuleSolid,
@@ -164,7 +164,7 @@ def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
         lambda: _measured(local - middle, faces, cell),
         arguments={"cell": cell, "rim": RIM},
         arrays=[local, faces],
-        sources=[__file__, *(used.__file__ for used in (distance, edges, normal_cones, scatter, winding))],
+        sources=[__file__, *(used.__file__ for used in (distance, edges, normal_cones, scatter, thinning, winding))],
         packages=("numpy", "scipy", "trimesh"),
     )
     features = Features()
@@ -203,7 +203,7 @@ def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arr
     at_sharp = np.where(sharp.vertex[:, None] < 0, between, at_vertex[sharp.vertex])
     at_hull = at_vertex[cKDTree(vertices).query(hull)[1]]
     cones = np.concatenate((at_hull, at_sharp, at_vertex, normal_cones.smooth(mesh)[face]))
-    kept = scatter.first_come(points[len(hull) :], 0.7 * cell) + len(hull)
+    kept = thinning.first_come(points[len(hull) :], 0.7 * cell) + len(hull)
     kept = np.concatenate((np.arange(len(hull)), kept))
     values = np.where(inside, -away, away).astype(np.float32)
     return {"values": values, "low": low, "points": points[kept], "cones": cones[kept]}

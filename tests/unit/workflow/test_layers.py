@@ -8,7 +8,8 @@ import trimesh
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from workflow.layers import _first_of_crowds, whole_layers
+from sim.geometry.thinning import first_come
+from workflow.layers import whole_layers
 from workflow.surface import reconstruct
 from workflow.surface_spec import Layers, ReconstructSpec
 
@@ -131,8 +132,7 @@ def test_new_particles_go_with_those_on_both_sides() -> None:
 
 def test_no_two_new_particles_crowd() -> None:
     points = lattice(10, 1, 10, spacing=1.9 * SPACING)
-    result, _ = whole_layers(points, points, SPACING, Layers())
-    _, middle = whole_layers(points, points, SPACING, Layers())
+    result, middle = whole_layers(points, points, SPACING, Layers())
     assert len(result) > len(points)
     assert len(KDTree(middle[len(points) :]).query_pairs(0.999 * ROOM)) == 0
 
@@ -144,4 +144,4 @@ def test_the_first_of_a_crowd_stays() -> None:
     for index, point in enumerate(points):
         if all(np.linalg.norm(point - points[other]) > distance for other in kept):
             kept.append(index)
-    assert np.flatnonzero(_first_of_crowds(points, distance)).tolist() == kept
+    assert first_come(points, distance).tolist() == kept
