@@ -5,9 +5,9 @@ example: foam of the first second of a simulation with particles of 1 cm radius
       --simulation run/simulation --frames 0:24 --out run/foam
 
 --spec takes JSON or the name of a JSON file: particle_radius [m] and support_radius [m] of the fluid, fps, gravity,
-walls, and `foam`, the section of that name of a scene. Frame 0 has no foam; frames that begin later go on from
---resume, the folder with the foam of the frame before. The points carry velocities (vx vy vz), radius, life (what is
-left [s]) and kind (0 spray, 1 foam, 2 bubble).
+walls, and `foam`, the section of that name of a scene. Rigid bodies are read from the folders of the simulation. Frame
+0 has no foam; frames that begin later go on from --resume, the folder with the foam of the frame before. The points
+carry velocities (vx vy vz), radius, life (what is left [s]) and kind (0 spray, 1 foam, 2 bubble).
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
 """
@@ -24,6 +24,7 @@ from render.progress import Progress
 from sim.foam.spec import FoamJobSpec
 from sim.settings import Refused
 from workflow import stage
+from workflow.bodies import Bodies
 from workflow.stage import Stopwatch, exit_code, read_spec, write_json
 from workflow.timeline import Frames
 
@@ -55,6 +56,7 @@ def run(
         from sim.files import write_points
         from sim.foam.particles import FOAM_POINT, next_frame
     out.mkdir(parents=True, exist_ok=True)
+    bodies = Bodies(simulation)
     points, before = np.empty(0, FOAM_POINT), None
     if frames.first > 0:
         points = _points([resume], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names)
@@ -68,7 +70,7 @@ def run(
                 after = _points(simulation, f"fluid_{frame:05d}.ply", ("id",))
             with watch.phase("foam"):
                 if before is not None:
-                    points, full = next_frame(points, before, after, frame, spec)
+                    points, full = next_frame(points, before, after, frame, spec, bodies.passing(frame))
                     if full and not warnings:
                         limit = spec.foam.max_particles
                         warnings.append(f"no more than foam.max_particles = {limit} from frame {frame} on")

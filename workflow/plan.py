@@ -167,7 +167,7 @@ class Plan:
             frames=self.timeline.segment(index),
             spec=spec.canonical(),
             code=self._code("foam", frozenset({"fluid"})),
-            versions=versions("taichi", "numpy"),
+            versions=versions("taichi", "numpy", "scipy", "trimesh"),
             assets=_assets({}, set()),
             upstream=(self.job("simulate", index).plan, *((self.job("foam", index - 1).plan,) if index else ())),
         )

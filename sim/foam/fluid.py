@@ -13,6 +13,13 @@ CAPACITY = 64
 """Neighbours that lists have room for at first."""
 
 
+def hermite(s: float, T: float, x0: np.ndarray, v0: np.ndarray, x1: np.ndarray, v1: np.ndarray) -> np.ndarray:
+    """After a share `s` of the time `T` [s], on the cubic with positions [m] x0, x1 and velocities [m/s] v0, v1 at its
+    ends."""
+    start = (1 + 2 * s) * (1 - s) ** 2 * x0 + s * (1 - s) ** 2 * T * v0
+    return start + s * s * (3 - 2 * s) * x1 + s * s * (s - 1) * T * v1
+
+
 class Passage:
     """Particles on their way from one frame to the next; those that only one of the frames has are left out.
 
@@ -28,14 +35,8 @@ class Passage:
     def at(self, share: float) -> tuple[np.ndarray, np.ndarray]:
         """Positions [m] by the cubic that fits both ends, and velocities [m/s] on the straight line between those of
         the ends, which therefore do not exceed them; shape [n, 3]."""
-        s, T = share, self.duration
-        position = (
-            (1 + 2 * s) * (1 - s) ** 2 * self._x0
-            + s * (1 - s) ** 2 * T * self._v0
-            + s * s * (3 - 2 * s) * self._x1
-            + s * s * (s - 1) * T * self._v1
-        )
-        return position, (1 - s) * self._v0 + s * self._v1
+        position = hermite(share, self.duration, self._x0, self._v0, self._x1, self._v1)
+        return position, (1 - share) * self._v0 + share * self._v1
 
 
 class Fluid:

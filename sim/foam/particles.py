@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from sim.foam.bodies import Passing, Placed
 from sim.foam.fluid import Fluid, Passage
 from sim.foam.spec import FoamJobSpec, FoamSpec, Range, Wall
 
@@ -35,8 +36,11 @@ def rates(trapped: np.ndarray, crest: np.ndarray, velocity: np.ndarray, spec: Fo
     return moving * (air + spec.wave_crest.rate * clamp(crest, spec.wave_crest))
 
 
-def born(fluid: Fluid, spec: FoamJobSpec, step: float, dice: np.random.Generator) -> np.ndarray:
-    """New FOAM_POINTs of one step [s]: in the cylinders that the fluid's particles sweep in it (equation 10)."""
+def born(
+    fluid: Fluid, spec: FoamJobSpec, step: float, dice: np.random.Generator, bodies: Sequence[Placed] = ()
+) -> np.ndarray:
+    """New FOAM_POINTs of one step [s]: in the cylinders that the fluid's particles sweep in it (equation 10), outside
+    of walls and bodies."""
     foam = spec.foam
     rate = rates(*fluid.potentials(), fluid.velocity, foam)
     number = np.floor(rate * step + dice.random(fluid.count)).astype(np.int64)
@@ -50,7 +54,10 @@ def born(fluid: Fluid, spec: FoamJobSpec, step: float, dice: np.random.Generator
     angle = 2 * math.pi * dice.random(len(parent))
     ahead = speed * step * dice.random(len(parent))
     offset = distance[:, None] * (np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second)
-    _put(points, "xyz", fluid.position[parent] + offset + ahead[:, None] * along)
+    position, velocity, _ = held(
+        fluid.position[parent] + offset + ahead[:, None] * along, velocity, spec.walls, bodies
+    )
+    _put(points, "xyz", position)
     _put(points, ("vx", "vy", "vz"), velocity)
     most = max(foam.trapped_air.rate + foam.wave_crest.rate, 1e-12)
     life = foam.lifetime
@@ -60,8 +67,10 @@ def born(fluid: Fluid, spec: FoamJobSpec, step: float, dice: np.random.Generator
     return points
 
 
-def moved(points: np.ndarray, fluid: Fluid, spec: FoamJobSpec, step: float) -> np.ndarray:
-    """The same points a step [s] later, without those whose life is over.
+def moved(
+    points: np.ndarray, fluid: Fluid, spec: FoamJobSpec, step: float, bodies: Sequence[Placed] = ()
+) -> np.ndarray:
+    """The same points a step [s] later, without those whose life is over; fluid and bodies are those at its end.
 
     Spray flies (equation 11), bubbles rise and are carried along (12), both integrated exactly; foam goes with the
     fluid (13).
@@ -78,7 +87,7 @@ def moved(points: np.ndarray, fluid: Fluid, spec: FoamJobSpec, step: float) -> n
     later = np.where(flying, velocity + step * gravity, np.where(rising, steady + kept * (velocity - steady), carried))
     caught_up = step * steady + foam.relaxation_time * (1 - kept) * (velocity - steady)
     way = np.where(flying, 0.5 * step * (velocity + later), np.where(rising, caught_up, step * carried))
-    position, later, touching = held(position + way, later, spec.walls)
+    position, later, touching = held(position + way, later, spec.walls, bodies)
     ages = floating[:, 0] | (flying[:, 0] & touching)
     points["kind"] = kind
     points["life"] -= np.where(ages, step, 0.0).astype(np.float32)
@@ -88,10 +97,14 @@ def moved(points: np.ndarray, fluid: Fluid, spec: FoamJobSpec, step: float) -> n
 
 
 def held(
-    position: np.ndarray, velocity: np.ndarray, walls: Sequence[Wall]
+    position: np.ndarray, velocity: np.ndarray, walls: Sequence[Wall], bodies: Sequence[Placed] = ()
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions and velocities, shape [n, 3], of what runs into walls and sticks to them, and whether it does."""
+    """Positions and velocities, shape [n, 3], of what runs into walls and bodies and sticks to them, and whether it
+    does, shape [n]. Where a body touches a wall, the wall has the last word."""
     touching = np.zeros(len(position), bool)
+    for body in bodies:
+        position, velocity, inside = body.held(position, velocity)
+        touching |= inside
     for wall in walls:
         normal = np.array(wall.normal)
         depth = wall.offset - position @ normal
@@ -103,7 +116,12 @@ def held(
 
 
 def next_frame(
-    points: np.ndarray, before: np.ndarray, after: np.ndarray, frame: int, spec: FoamJobSpec
+    points: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
+    frame: int,
+    spec: FoamJobSpec,
+    bodies: Sequence[Passing] = (),
 ) -> tuple[np.ndarray, bool]:
     """The FOAM_POINTs of `frame` from those of the frame before, and whether there is no room for more.
 
@@ -113,9 +131,11 @@ def next_frame(
     steps = max(1, math.ceil(duration / spec.foam.max_step))
     passage, full = Passage(before, after, duration), False
     for k in range(steps):
-        fluid = Fluid(*passage.at((k + 1) / steps), spec.support_radius, 2 * spec.particle_radius)
-        points = moved(points, fluid, spec, duration / steps)
-        fresh = born(fluid, spec, duration / steps, np.random.default_rng([spec.foam.seed, frame, k]))
+        share, step = (k + 1) / steps, duration / steps
+        fluid = Fluid(*passage.at(share), spec.support_radius, 2 * spec.particle_radius)
+        placed = [body.at(share, duration) for body in bodies]
+        points = moved(points, fluid, spec, step, placed)
+        fresh = born(fluid, spec, step, np.random.default_rng([spec.foam.seed, frame, k]), placed)
         room = max(0, spec.foam.max_particles - len(points))
         full |= len(fresh) > room
         points = np.concatenate((points, fresh[:room]))

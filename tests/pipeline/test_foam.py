@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shutil
 
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial.transform import Rotation
 
 from tests.pipeline.conftest import ROOT, Project, source_tree
 from workflow.ply import read_points
@@ -45,6 +47,28 @@ def test_the_splash_foams_within_the_tank(made):
         assert (points["y"] >= -1e-4).all()
     summary = json.loads((made.folder / FILM / "summary.json").read_text())
     assert summary["wall_s"]["foam"]["total"] > 0
+
+
+def test_no_foam_is_in_the_crate_that_it_carries_off(made):
+    """In the crate's own axes, as bodies.csv has them, all is beyond one of its sides."""
+    base = made.folder / "results/tiny/foam/standard"
+    rows = [row for path in sorted(base.glob("simulation/*/bodies.csv")) for row in csv.DictReader(path.open())]
+    places = {int(row["frame"]): row for row in rows}
+    moved = [float(places[9][axis]) - float(places[0][axis]) for axis in "xz"]
+    assert np.hypot(*moved) > 0.02
+    near = 0
+    for path in base.glob("foam/*/foam_*.ply"):
+        points, row = read_points(path), places[int(path.stem.removeprefix("foam_"))]
+        away = np.stack([points[axis].astype(float) - float(row[axis]) for axis in "xyz"], axis=1)
+        turn = Rotation.from_quat([float(row[name]) for name in ("qx", "qy", "qz", "qw")])
+        mesh = read_points(next(base.glob("simulation/000/body_crate.ply")))
+        corner = np.stack([mesh[axis] for axis in "xyz"], axis=1)
+        sides = Rotation.from_euler("y", 20, degrees=True).inv().apply(corner).max(axis=0)
+        local = Rotation.from_euler("y", 20, degrees=True).inv().apply(turn.inv().apply(away))
+        beyond = (np.abs(local) - sides).max(axis=1)
+        assert (beyond > -1e-5).all()
+        near += int((beyond < 0.03).sum())
+    assert near > 20
 
 
 def test_the_foam_is_seen(project):

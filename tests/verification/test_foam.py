@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
 
 from sim import runtime
 from sim.files import FLUID_POINT
@@ -243,6 +245,84 @@ def test_walls_hold_spray_which_then_ages():
     assert points["y"][0] == pytest.approx(-0.01)
     assert [points[name][0] for name in ("vx", "vy", "vz")] == [0, 0, 0]
     assert points["life"][0] == pytest.approx(9.99)
+
+
+def motion(position=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0)):
+    """Of a body; `turn` and `spin` along their axes [rad, rad/s]."""
+    from sim.foam.bodies import Motion
+
+    return Motion(np.array(position), Rotation.from_rotvec(turn), np.array(velocity), np.array(spin))
+
+
+def crate():
+    from sim.foam.bodies import Body
+
+    return Body(trimesh.creation.box((0.2, 0.4, 0.6)))
+
+
+def test_a_body_takes_along_what_gets_into_it():
+    """To the nearest side of a turned box, with the velocity v + w x r of that point; what is outside stays."""
+    from sim.foam.bodies import Placed
+
+    turn, centre = np.array([0.4, -0.7, 1.1]), np.array([3.0, -1.0, 2.0])
+    velocity, spin = np.array([0.5, 0.1, -0.3]), np.array([2.0, -1.0, 4.0])
+    rotation = Rotation.from_rotvec(turn)
+    local = np.array([[0.07, 0.02, -0.05], [-0.03, 0.19, 0.1], [0.01, -0.1, -0.28], [0.101, 0, 0], [0.0, 0.0, 0.301]])
+    sides = local.copy()
+    sides[0, 0], sides[1, 1], sides[2, 2] = 0.1, 0.2, -0.3
+    placed = Placed(crate(), motion(centre, turn, velocity, spin))
+    before = rotation.apply(local) + centre
+    position, speed, inside = placed.held(before, np.full((5, 3), 9.0))
+    assert inside.tolist() == [True, True, True, False, False]
+    assert position == pytest.approx(rotation.apply(sides) + centre, abs=1e-12)
+    assert speed[:3] == pytest.approx(velocity + np.cross(spin, rotation.apply(sides[:3])), abs=1e-12)
+    assert (speed[3:] == 9.0).all()
+
+
+def test_a_body_between_frames_falls_and_turns_as_it_should():
+    """The parabola of a fall and an even turn are exact."""
+    from sim.foam.bodies import Passing
+
+    time, share, spin = 0.05, 0.3, np.array([0.0, 6.0, -8.0])
+    v0 = np.array([1.0, 2.0, 0.0])
+    start = motion((0, 1, 0), (0, 0, 0), v0, spin)
+    end = motion(np.array([0, 1, 0]) + v0 * time + GRAVITY * time**2 / 2, spin * time, v0 + GRAVITY * time, spin)
+    found = Passing(crate(), start, end).at(share, time).motion
+    passed = share * time
+    assert found.position == pytest.approx([0, 1, 0] + v0 * passed + GRAVITY * passed**2 / 2)
+    assert found.rotation.as_rotvec() == pytest.approx(spin * passed)
+    assert found.velocity == pytest.approx(v0 + GRAVITY * passed)
+    assert found.angular_velocity == pytest.approx(spin)
+
+
+def test_spray_lands_on_a_body_that_carries_it_off_and_ages():
+    """A drop that falls on a box which moves aside and down, slower than the drop."""
+    from sim.foam.bodies import Placed
+    from sim.foam.particles import moved
+
+    nothing = fluid(np.empty((0, 3)), np.empty((0, 3)))
+    box = Placed(crate(), motion((0, 0, 0), velocity=(0.4, -0.3, 0)))
+    points = moved(one(position=(0.02, 0.21, 0.1), velocity=(0.0, -2.0, 0.0)), nothing, job(), 0.01, [box])
+    assert place(points) == pytest.approx([0.02, 0.2, 0.1], abs=1e-6)
+    assert [points[name][0] for name in ("vx", "vy", "vz")] == pytest.approx([0.4, -0.3, 0], abs=1e-7)
+    assert points["life"][0] == pytest.approx(9.99)
+
+
+def test_foam_begins_outside_of_bodies_and_walls():
+    from sim.foam.bodies import Placed
+    from sim.foam.particles import born
+
+    found = fluid(lattice(), np.random.default_rng(4).choice([-5.0, 5.0], (11**3, 3)))
+    spec = job(trapped_air={"rate": 300, "low": 0, "high": 1e-3}, walls=(Wall(normal=(0, 1, 0), offset=-0.05),))
+    box = Placed(crate(), motion((0.15, 0.15, 0)))
+    fresh = born(found, spec, 0.01, np.random.default_rng(2), [box])
+    position = np.stack([fresh[axis] for axis in "xyz"], axis=1).astype(float)
+    free = born(found, job(trapped_air=spec.foam.trapped_air), 0.01, np.random.default_rng(2))
+    assert ((free["x"] > 0.06) & (free["y"] > -0.04)).sum() > 100
+    assert len(fresh) == len(free)
+    within = (np.abs(position - [0.15, 0.15, 0]) < np.array([0.1, 0.2, 0.3]) - 1e-6).all(axis=1)
+    assert not within.any()
+    assert (position[:, 1] >= -0.05 - 1e-7).all()
 
 
 def records(position, velocity, ids) -> np.ndarray:

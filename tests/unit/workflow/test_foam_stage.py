@@ -6,8 +6,9 @@ import json
 
 import numpy as np
 import pytest
+import trimesh
 
-from sim.files import FLUID_POINT, write_points
+from sim.files import FLUID_POINT, write_mesh, write_points
 from workflow.foam import main
 from workflow.ply import read_points
 
@@ -36,7 +37,47 @@ def make(simulation, out, frames="0:4", *more, spec=SPEC) -> int:
     return main([*words, "--arch", "cpu", *more])
 
 
+def add_ball(simulation, radius=0.05):
+    """A ball that stands in the middle until frame 3."""
+    ball = trimesh.creation.icosphere(3, radius)
+    write_mesh(simulation / "body_ball.ply", ball.vertices, ball.faces)
+    rows = "".join(f"{frame},{frame / 24},ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n" for frame in range(4))
+    columns = "frame,time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n"
+    (simulation / "bodies.csv").write_text(columns + rows)
+
+
+def within(path, radius) -> int:
+    points = read_points(path)
+    return int((sum(points[axis].astype(float) ** 2 for axis in "xyz") < radius**2).sum())
+
+
+def test_bodies_keep_foam_out_while_they_are_there(simulation, tmp_path):
+    assert make(simulation, tmp_path / "free") == 0
+    add_ball(simulation)
+    assert make(simulation, tmp_path / "held") == 0
+    for frame in range(1, 4):
+        name = f"foam_{frame:05d}.ply"
+        assert within(tmp_path / "free" / name, 0.049) > 20
+        # The flat faces of the mesh are up to 1 % nearer than its corners.
+        assert within(tmp_path / "held" / name, 0.049) == 0
+    assert within(tmp_path / "held/foam_00004.ply", 0.049) > 20
+
+
+def test_bodies_that_can_not_be_read_are_refused(simulation, tmp_path, capsys):
+    add_ball(simulation)
+    path = simulation / "bodies.csv"
+    table = path.read_text()
+    path.write_text(table.replace("qw", "q"))
+    assert make(simulation, tmp_path / "out") == 2
+    assert "bodies.csv is not a table of rigid bodies: KeyError('qw')" in capsys.readouterr().err
+    path.write_text(table)
+    (simulation / "body_ball.ply").write_bytes((simulation / "body_ball.ply").read_bytes()[:300])
+    assert make(simulation, tmp_path / "out") == 2
+    assert "body_ball.ply is not a mesh" in capsys.readouterr().err
+
+
 def test_segments_go_on_to_the_same_bytes(simulation, tmp_path):
+    add_ball(simulation)
     assert make(simulation, tmp_path / "whole") == 0
     assert make(simulation, tmp_path / "a", "0:2") == 0
     assert make(simulation, tmp_path / "b", "3:4", "--resume", str(tmp_path / "a")) == 0

@@ -1,0 +1,74 @@
+"""Rigid bodies as a simulation's files have them: `body_NAME.ply` and the rows of `bodies.csv`."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.settings import Refused
+
+if TYPE_CHECKING:
+    from sim.foam.bodies import Body, Motion, Passing
+
+
+class Bodies:
+    """Those of some folders of one simulation; raises Refused where a table or a mesh can not be read."""
+
+    def __init__(self, folders: Sequence[Path]):
+        self._meshes = {path.stem.removeprefix("body_"): path for one in folders for path in one.glob("body_*.ply")}
+        self._solids: dict[str, Body] = {}
+        self._motions: dict[int, dict[str, Motion]] = {}
+        for folder in folders:
+            self._read(folder / "bodies.csv")
+
+    def passing(self, frame: int) -> list[Passing]:
+        """The bodies on their way to a frame from the one before, by their names; what only one of them has is left
+        out, as are half-spaces, which have no mesh."""
+        from sim.foam.bodies import Passing
+
+        before, after = self._motions.get(frame - 1, {}), self._motions.get(frame, {})
+        there = sorted(before.keys() & after.keys() & self._meshes.keys())
+        return [Passing(self._solid(name), before[name], after[name]) for name in there]
+
+    def _solid(self, name: str) -> Body:
+        import trimesh
+
+        from sim.foam.bodies import Body
+
+        if name not in self._solids:
+            path = self._meshes[name]
+            try:
+                mesh = trimesh.load_mesh(path, process=False)
+            except (OSError, ValueError, KeyError, IndexError) as error:
+                raise Refused(f"{path} is not a mesh: {error!r}", remedy="simulate it again") from None
+            self._solids[name] = Body(mesh)
+        return self._solids[name]
+
+    def _read(self, path: Path) -> None:
+        if not path.exists():
+            return
+        try:
+            with path.open(newline="") as rows:
+                for row in csv.DictReader(rows):
+                    self._motions.setdefault(int(row["frame"]), {})[row["body"]] = _motion(row)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise Refused(f"{path} is not a table of rigid bodies: {error!r}", remedy="simulate it again") from None
+
+
+def _motion(row: dict[str, str]) -> Motion:
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    from sim.foam.bodies import Motion
+
+    def numbers(names: str) -> np.ndarray:
+        return np.array([float(row[name]) for name in names.split()])
+
+    return Motion(
+        numbers("x y z"),
+        Rotation.from_quat(numbers("qx qy qz qw")),
+        numbers("vx vy vz"),
+        numbers("wx wy wz"),
+    )
