@@ -15,14 +15,18 @@ SHARP_ANGLE = math.radians(35)
 """Faces of a solid body that meet at more than this show an edge."""
 
 COLOR_COLUMNS = ("red", "green", "blue")
+NORMAL_COLUMNS = ("nx", "ny", "nz")
+SAME = 1e-9
+"""One minus the cosine between directions that are the same up to rounding."""
 
 
 def build_mesh(name: str, source: TriangleMesh) -> Any:
-    """A smooth-shaded bpy mesh, z up.
+    """A smooth-shaded bpy mesh, z up, with an edge where fluid ends at a wall.
 
     Velocities [m/s] become the point attribute `velocity`: Cycles takes it, under this very name, for motion blur.
     Colours become the point attribute TINT.
     """
+    source = _parted_at_walls(source)
     columns, triangles = source.columns, source.triangles
     mesh = bpy.data.meshes.new(name)
     faces = len(triangles) // 3
@@ -45,6 +49,31 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
         tint.data.foreach_set("color", _light(*(columns[name] for name in COLOR_COLUMNS)))
     mesh.update(calc_edges=True)
     return mesh
+
+
+def _parted_at_walls(source: TriangleMesh) -> TriangleMesh:
+    """The same mesh with corners of their own for triangles that look just where a corner does, by the normals of the
+    file: fluid flush with a wall, which smooth shading would round at its edge. Triangles without area are left out.
+    """
+    if isinstance(source.triangles, array) or not source.has(*NORMAL_COLUMNS):
+        return source
+    import numpy as np
+
+    place, normal = (
+        np.stack([source.columns[name] for name in names], axis=1).astype(np.float64)
+        for names in ("xyz", NORMAL_COLUMNS)
+    )
+    triangles = np.asarray(source.triangles).reshape(-1, 3)
+    a, b, c = (place[triangles[:, corner]] for corner in range(3))
+    across = np.cross(b - a, c - a)
+    area = np.linalg.norm(across, axis=1)
+    triangles, across, area = triangles[area > 0], across[area > 0], area[area > 0]
+    cosine = np.einsum("ij,ikj->ik", across / area[:, None], normal[triangles]).max(axis=1, initial=0.0)
+    flat = cosine > 1 - SAME
+    count = source.vertex_count()
+    corners = np.concatenate([np.arange(count), triangles[flat].ravel()])
+    triangles[flat] = np.arange(count, len(corners)).reshape(-1, 3)
+    return TriangleMesh({name: column[corners] for name, column in source.columns.items()}, triangles.ravel())
 
 
 def _light(*channels: Any) -> array:

@@ -15,13 +15,14 @@ from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from sim.foam.spec import FoamJobSpec, Wall
+from sim.foam.spec import FoamJobSpec
 from sim.geometry import assets
 from sim.settings import canonical_json
 from sim.spec import SimulationSpec
 from workflow import sources
 from workflow.film_spec import FilmJobSpec
 from workflow.scene import Scene
+from workflow.standing import standing_walls
 from workflow.surface_spec import ReconstructSpec
 from workflow.timeline import Frames, Timeline
 
@@ -134,7 +135,10 @@ class Plan:
         if fluid is None:
             raise IndexError(f"{self.scene.name} has no fluid, so no surface to reconstruct")
         spec = ReconstructSpec(
-            particle_radius=fluid.particle_radius, rest_density=fluid.rest_density, surface=self.scene.surface
+            particle_radius=fluid.particle_radius,
+            rest_density=fluid.rest_density,
+            walls=standing_walls(self.scene.simulation) if self.scene.surface.walls else (),
+            surface=self.scene.surface,
         )
         return Job(
             stage="reconstruct",
@@ -151,15 +155,13 @@ class Plan:
         fluid, simulation = self.scene.simulation.fluid, self.scene.simulation
         if self.scene.foam is None or fluid is None:
             raise IndexError(f"{self.scene.name} has no `foam:`, so none is made")
-        from sim.planes import walls_of
-
         spec = FoamJobSpec(
             foam=self.scene.foam,
             particle_radius=fluid.particle_radius,
             support_radius=fluid.support_radius,
             gravity=simulation.gravity,
             fps=simulation.fps,
-            walls=tuple(Wall(normal=tuple(wall.normal), offset=wall.offset) for wall in walls_of(simulation)),
+            walls=standing_walls(simulation),
         )
         return Job(
             stage="foam",

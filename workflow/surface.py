@@ -9,6 +9,7 @@ import pysplashsurf
 
 from workflow.layers import whole_layers
 from workflow.surface_spec import ReconstructSpec
+from workflow.walls import continued, flush
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
         return Surface(nothing, nothing, nothing, np.empty((0, 3), np.int32))
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, 2 * spec.particle_radius, surface.layers)
+    positions, velocities = continued((positions, velocities), 2 * spec.particle_radius, spec.walls)
     found, _ = pysplashsurf.reconstruction_pipeline(
         positions,
         attributes_to_interpolate={"velocity": velocities},
@@ -65,12 +67,8 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     attributes = found.point_attributes
     vertices = np.asarray(found.mesh.vertices, np.float32)
     triangles = np.asarray(found.mesh.triangles).astype(np.int32)
-    return Surface(
-        vertices=vertices,
-        normals=_finite(np.asarray(attributes["normals"], np.float32), vertices, triangles),
-        velocities=np.asarray(attributes["velocity"], np.float32),
-        triangles=triangles,
-    )
+    normals = _finite(np.asarray(attributes["normals"], np.float32), vertices, triangles)
+    return Surface(*flush(vertices, normals, np.asarray(attributes["velocity"], np.float32), spec.walls), triangles)
 
 
 def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:

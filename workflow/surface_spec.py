@@ -12,6 +12,7 @@ from annotated_types import Ge, Gt, Le
 
 from sim.settings import Settings
 from sim.units import Density, Dimensionless, PositiveLength
+from sim.wall import Wall
 
 
 class MeshSmoothing(Settings):
@@ -64,6 +65,8 @@ class SurfaceSpec(Settings):
     surface_threshold: Annotated[Dimensionless, Gt(0), Le(1.5)] = 0.6
     """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
     layers: Layers = Layers()
+    walls: bool = True
+    """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
     smoothing: MeshSmoothing = MeshSmoothing()
     cleanup: MeshCleanup = MeshCleanup()
     normals: Normals = Normals()
@@ -75,4 +78,6 @@ class ReconstructSpec(Settings):
     particle_radius: PositiveLength
     """Half the spacing of the particles [m]."""
     rest_density: Density = 1000.0
+    walls: tuple[Wall, ...] = ()
+    """Planes that the surface ends flush with."""
     surface: SurfaceSpec = SurfaceSpec()

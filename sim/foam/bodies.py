@@ -26,8 +26,8 @@ class Motion:
     """[rad/s], shape [3]."""
 
     def towards(self, end: Motion, share: float, duration: float) -> Motion:
-        """After a share of the `duration` [s] until `end`: on the cubic that fits position and velocity at both, turning
-        evenly (Shoemake 1985)."""
+        """After a share of the `duration` [s] until `end`: on the cubic that fits position and velocity at both ends,
+        turning evenly (Shoemake 1985)."""
         turn = Slerp([0.0, 1.0], Rotation.concatenate([self.rotation, end.rotation]))
         return Motion(
             hermite(share, duration, self.position, self.velocity, end.position, end.velocity),

@@ -9,7 +9,8 @@ import numpy as np
 
 from sim.foam.bodies import Passing, Placed
 from sim.foam.fluid import Fluid, Passage
-from sim.foam.spec import FoamJobSpec, FoamSpec, Range, Wall
+from sim.foam.spec import FoamJobSpec, FoamSpec, Range
+from sim.wall import Wall
 
 SPRAY, FOAM, BUBBLE = 0, 1, 2
 RADIUS = 1 / 6
@@ -54,9 +55,7 @@ def born(
     angle = 2 * math.pi * dice.random(len(parent))
     ahead = speed * step * dice.random(len(parent))
     offset = distance[:, None] * (np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * second)
-    position, velocity, _ = held(
-        fluid.position[parent] + offset + ahead[:, None] * along, velocity, spec.walls, bodies
-    )
+    position, velocity, _ = held(fluid.position[parent] + offset + ahead[:, None] * along, velocity, spec.walls, bodies)
     _put(points, "xyz", position)
     _put(points, ("vx", "vy", "vz"), velocity)
     most = max(foam.trapped_air.rate + foam.wave_crest.rate, 1e-12)

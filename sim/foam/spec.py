@@ -8,7 +8,8 @@ from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
 from sim.settings import Settings
-from sim.units import Acceleration, Dimensionless, Direction, Length, PositiveDuration, PositiveLength, Unit
+from sim.units import Acceleration, Dimensionless, PositiveDuration, PositiveLength, Unit
+from sim.wall import Wall
 
 Rate = Annotated[float, Ge(0), Le(1e7), Unit("1/s")]
 Speed = Annotated[float, Ge(0), Le(1e5), Unit("m/s")]
@@ -94,14 +95,6 @@ class FoamSpec(Settings):
         if self.spray_below > self.bubbles_above + 1:
             raise ValueError("spray_below must be at most bubbles_above + 1: no count can be both")
         return self
-
-
-class Wall(Settings):
-    """Nothing is where x . normal is below `offset`."""
-
-    normal: Direction
-    """Unit vector into the room."""
-    offset: Length
 
 
 class FoamJobSpec(Settings):

@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from sim import runtime
 from sim.files import FLUID_POINT
-from sim.foam.spec import FoamJobSpec, FoamSpec, TrappedAir, Wall
+from sim.foam.spec import FoamJobSpec, FoamSpec, TrappedAir
+from sim.wall import Wall
 
 RADIUS, H = 0.01, 0.04
 SPACING = 2 * RADIUS

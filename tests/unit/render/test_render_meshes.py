@@ -32,6 +32,22 @@ def test_positions_and_velocities_turn_from_y_up_to_z_up(reader, tmp_path, write
     assert mesh.polygons[0].use_smooth
 
 
+def test_fluid_has_an_edge_where_it_ends_at_a_wall(tmp_path, write_mesh):
+    """Water to the right of the wall x = 0, level at y = 1: on the level, smooth shading knows nothing of the wall."""
+    at_wall, level = (-1, 0, 0), (0, 1, 0)
+    places = [((0, 1, 0), at_wall), ((0, 1, 1), at_wall), ((0, 0, 0), at_wall), ((1, 1, 0), level), ((1, 1, 1), level)]
+    vertices = [(*place, *normal, 0, 0, 0) for place, normal in places]
+    faces = [(0, 2, 1), (0, 1, 3), (1, 4, 3), (0, 0, 1)]
+    mesh = build_mesh("water", read_mesh(write_mesh(tmp_path / "a.ply", NAMES, vertices, faces)))
+    assert len(mesh.polygons) == 3
+    for face in mesh.polygons:
+        assert face.use_smooth
+        for corner in face.vertices:
+            assert tuple(mesh.vertices[corner].normal) == pytest.approx(tuple(face.normal))
+    assert {tuple(face.normal) for face in mesh.polygons} == {(-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)}
+    assert len(mesh.attributes["velocity"].data) == len(mesh.vertices)
+
+
 def test_colours_become_light(reader, tmp_path, write_mesh):
     names = "x y z red green blue"
     corners = [(0, 0, 0, 255, 0, 0), (1, 0, 0, 0, 255, 0), (0, 1, 0, 0, 0, 188)]

@@ -1,0 +1,147 @@
+"""Water fills its tank to the walls: volume, edges, normals; and which walls a scene has to its end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sim.spec import SimulationSpec
+from sim.wall import Wall
+from workflow.standing import standing_walls
+from workflow.surface import Surface, reconstruct
+from workflow.surface_spec import ReconstructSpec
+from workflow.walls import BEHIND, continued
+
+RADIUS = 0.02
+SPACING = 2 * RADIUS
+COUNTS = (24, 10, 16)
+LENGTH, HEIGHT, DEPTH = (SPACING * count for count in COUNTS)
+TANK = tuple(
+    Wall(normal=normal, offset=offset)
+    for normal, offset in (
+        ((1, 0, 0), 0),
+        ((-1, 0, 0), -LENGTH),
+        ((0, 1, 0), 0),
+        ((0, 0, 1), 0),
+        ((0, 0, -1), -DEPTH),
+    )
+)
+ABOVE_TOP = 0.1 * RADIUS
+"""How far the free surface may be from half a spacing above the particles: a twentieth of the spacing."""
+
+
+def pool() -> np.ndarray:
+    """Fluid that fills a tank to HEIGHT, not quite in order, float32, shape [n, 3]."""
+    axes = [(np.arange(count) + 0.5) * SPACING for count in COUNTS]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    return (points + np.random.default_rng(0).normal(0, 0.03 * SPACING, points.shape)).astype(np.float32)
+
+
+def surface(points: np.ndarray, velocities: np.ndarray | None = None, walls: tuple[Wall, ...] = TANK) -> Surface:
+    still = np.zeros_like(points) if velocities is None else velocities
+    return reconstruct(points, still, ReconstructSpec(particle_radius=RADIUS, walls=walls))
+
+
+def open_edges(triangles: np.ndarray) -> int:
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    there, back = (sorted(map(tuple, pairs)) for pairs in (edges, edges[:, ::-1]))
+    return int(there != back)
+
+
+def test_a_tank_is_full_to_its_edges():
+    """Its volume is that of its particles but for the free surface; round edges lack ten times that."""
+    points = pool()
+    full = len(points) * SPACING**3
+    assert surface(points).volume == pytest.approx(full, rel=ABOVE_TOP / HEIGHT)
+    assert surface(points, walls=()).volume < full * (1 - 4 * ABOVE_TOP / HEIGHT)
+
+
+def test_it_reaches_every_corner_of_the_floor_and_no_vertex_is_behind_a_wall():
+    vertices = surface(pool()).vertices
+    for x in (0.0, LENGTH):
+        for z in (0.0, DEPTH):
+            assert np.linalg.norm(vertices - [x, 0, z], axis=1).min() < 1e-6
+    assert (vertices.min(axis=0) >= -1e-7).all()
+    assert (vertices.max(axis=0) <= np.array([LENGTH, HEIGHT + RADIUS, DEPTH]) * (1 + 1e-6)).all()
+
+
+def test_the_free_surface_meets_the_wall_at_its_height():
+    vertices = surface(pool()).vertices
+    at_wall = vertices[(vertices[:, 0] < 1e-6) & (np.abs(vertices[:, 2] - DEPTH / 2) < 3 * SPACING)]
+    assert at_wall[:, 1].max() == pytest.approx(HEIGHT, abs=2 * ABOVE_TOP)
+
+
+def test_it_is_closed_and_its_normals_look_into_the_walls():
+    found = surface(pool())
+    assert open_edges(found.triangles) == 0
+    floor = (found.vertices[:, 1] < 1e-7) & (np.abs(found.vertices[:, 0] - LENGTH / 2) < LENGTH / 3)
+    assert floor.sum() > 100
+    inner = floor & (np.abs(found.vertices[:, 2] - DEPTH / 2) < DEPTH / 3)
+    np.testing.assert_array_equal(found.normals[inner], np.broadcast_to([0, -1, 0], (inner.sum(), 3)))
+    assert np.linalg.norm(found.normals, axis=1) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_the_fluid_moves_along_the_walls_there():
+    points = pool()
+    velocities = np.tile(np.float32([1.5, -2.0, 0.5]), (len(points), 1))
+    found = surface(points, velocities)
+    floor = found.vertices[:, 1] < 1e-7
+    assert (np.abs(found.velocities[floor][:, 1]) < 1e-6).all()
+    away = floor & (np.abs(found.vertices[:, 0] - LENGTH / 2) < LENGTH / 4)
+    away &= np.abs(found.vertices[:, 2] - DEPTH / 2) < DEPTH / 4
+    assert found.velocities[away][:, 0] == pytest.approx(1.5, rel=1e-4)
+
+
+def test_an_oblique_wall():
+    """The pool, all of it turned, has the volume of the pool."""
+    normal = np.array([1.0, 2.0, 2.0]) / 3
+    turn = np.eye(3) - 2 * np.outer(normal, normal)
+    walls = tuple(Wall(normal=tuple(turn @ np.array(wall.normal)), offset=wall.offset) for wall in TANK)
+    points = pool()
+    turned = (points @ turn.T).astype(np.float32)
+    assert surface(turned, walls=walls).volume == pytest.approx(surface(points).volume, rel=ABOVE_TOP / HEIGHT)
+
+
+def test_a_drop_that_touches_no_wall_stays_as_it_is_to_the_last_bit():
+    drop = np.float32([[0.5, 1.01 * SPACING, 0.3]])
+    free, near = surface(drop, walls=()), surface(drop)
+    np.testing.assert_array_equal(near.vertices, free.vertices)
+    np.testing.assert_array_equal(near.normals, free.normals)
+    touching = surface(drop - np.float32([0, 0.6 * SPACING, 0]))
+    assert touching.vertices[:, 1].min() == 0.0
+    assert (np.abs(touching.vertices[:, 1]) < 1e-7).sum() > 10
+
+
+def test_particles_go_on_in_line_behind_a_wall():
+    points = np.float32([[0.5, 0.3 * SPACING, 0.3], [0.5, 3 * SPACING, 0.3]])
+    velocities = np.float32([[1, -2, 3], [0, 0, 0]])
+    cloud, speed = continued((points, velocities), SPACING, TANK[2:3])
+    np.testing.assert_array_equal(cloud[:2], points)
+    behind = -(0.3 + np.arange(BEHIND)) * SPACING
+    assert cloud[2:, 1] == pytest.approx(behind)
+    assert (cloud[2:, [0, 2]] == points[0, [0, 2]]).all()
+    np.testing.assert_array_equal(speed[2:], np.broadcast_to(np.float32([1, 0, 3]), (BEHIND, 3)))
+
+
+def scene(*events: dict) -> SimulationSpec:
+    return SimulationSpec.model_validate(
+        {
+            "containers": {"tank": {"type": "box", "size": [1, 1, 1], "open": ["top", "right"]}},
+            "rigid": {"bodies": {"gate": {"shape": {"type": "plane", "normal": [-1, 0, 0]}, "position": [0.2, 0, 0]}}},
+            "events": events,
+        }
+    )
+
+
+def test_walls_that_an_event_removes_or_moves_do_not_count():
+    assert [wall.normal for wall in standing_walls(scene())] == [
+        (-1, 0, 0),
+        (1, 0, 0),
+        (0, 1, 0),
+        (0, 0, 1),
+        (0, 0, -1),
+    ]
+    assert len(standing_walls(scene({"at": 0.5, "remove": ["gate"]}))) == 4
+    assert len(standing_walls(scene({"at": 0.5, "set": {"rigid.bodies.gate.friction": 0.1}}))) == 5
+    moved = standing_walls(scene({"at": 0.5, "set": {"containers.tank.size": [2, 1, 1]}}))
+    assert [wall.normal for wall in moved] == [(-1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)]

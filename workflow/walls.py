@@ -1,0 +1,51 @@
+"""Fluid that touches plane walls: it goes on behind them while its surface is looked for, and ends flush with them.
+
+Surfaces of particles are round where walls meet, and smoothing makes them rounder, so that a tank would not be full at
+its edges. What is behind a wall can be as round as it likes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.wall import Wall
+from workflow.layers import Cloud
+
+TOUCHING = 1.0
+"""Particles nearer than this to a wall touch it, in spacings: a layer at rest is half a spacing away."""
+BEHIND = 3
+"""Layers that go on behind a wall: the smoothing of the surface reaches about as far."""
+
+
+def continued(cloud: Cloud, spacing: float, walls: Sequence[Wall]) -> Cloud:
+    """The same particles, of `spacing` [m], followed by copies of those that touch walls, in lines straight into them,
+    with velocities along them."""
+    positions, velocities = (part.astype(np.float64) for part in cloud)
+    for wall in walls:
+        normal = np.array(wall.normal)
+        distance = positions @ normal - wall.offset
+        touching = distance < TOUCHING * spacing
+        point, height = positions[touching], np.maximum(distance[touching], 0.0)
+        along = velocities[touching] - (velocities[touching] @ normal)[:, None] * normal
+        deep = [2 * height + layer * spacing for layer in range(BEHIND)]
+        positions = np.concatenate([positions, *(point - way[:, None] * normal for way in deep)])
+        velocities = np.concatenate([velocities, *[along] * BEHIND])
+    return positions.astype(np.float32), velocities.astype(np.float32)
+
+
+def flush(
+    vertices: np.ndarray, normals: np.ndarray, velocities: np.ndarray, walls: Sequence[Wall]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices [m] with unit normals and velocities [m/s], float32, shape [n, 3], of which those behind walls have come
+    to them: they look into the wall, and move along it."""
+    place, outwards, velocity = (part.astype(np.float64) for part in (vertices, normals, velocities))
+    for wall in walls:
+        normal = np.array(wall.normal)
+        depth = wall.offset - place @ normal
+        behind = depth > 0
+        place[behind] += depth[behind, None] * normal
+        outwards[behind] = -normal
+        velocity[behind] -= (velocity[behind] @ normal)[:, None] * normal
+    return place.astype(np.float32), outwards.astype(np.float32), velocity.astype(np.float32)
