@@ -19,10 +19,10 @@ from sim.foam.spec import FoamJobSpec
 from sim.geometry import assets
 from sim.settings import canonical_json
 from sim.spec import SimulationSpec
+from sim.wall import Wall
 from workflow import sources
 from workflow.film_spec import FilmJobSpec
 from workflow.scene import Scene
-from workflow.standing import standing_walls
 from workflow.surface_spec import ReconstructSpec
 from workflow.timeline import Frames, Timeline
 
@@ -137,7 +137,7 @@ class Plan:
         spec = ReconstructSpec(
             particle_radius=fluid.particle_radius,
             rest_density=fluid.rest_density,
-            walls=standing_walls(self.scene.simulation) if self.scene.surface.walls else (),
+            walls=self._walls if self.scene.surface.walls else (),
             surface=self.scene.surface,
         )
         return Job(
@@ -161,7 +161,7 @@ class Plan:
             support_radius=fluid.support_radius,
             gravity=simulation.gravity,
             fps=simulation.fps,
-            walls=standing_walls(simulation),
+            walls=self._walls,
         )
         return Job(
             stage="foam",
@@ -211,6 +211,12 @@ class Plan:
             assets=_assets({}, set()),
             upstream=tuple(job.plan for job in self.jobs("render")),
         )
+
+    @cached_property
+    def _walls(self) -> tuple[Wall, ...]:
+        from workflow.standing import standing_walls
+
+        return standing_walls(self.scene.simulation)
 
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)
