@@ -4,10 +4,10 @@ example: the frames 0 to 12 of a simulation with particles of 1 cm radius
   python -m workflow.reconstruct --spec '{"particle_radius": 0.01}' \\
       --simulation run/simulation --frames 0:12 --out run/surface
 
---spec takes JSON or the name of a JSON file: particle_radius [m], rest_density [kg/m^3], and
-`surface`, the section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's
-velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a
-mesh without vertices.
+--spec takes JSON or the name of a JSON file: particle_radius [m], rest_density [kg/m^3], walls (each
+with normal and offset [m]) that the surface ends flush with, and `surface`, the section of that name
+of a scene. The meshes carry normals (nx ny nz) and the fluid's velocity (vx vy vz), and open in
+MeshLab, ParaView and Blender. A frame without particles gives a mesh without vertices.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
 """

@@ -9,12 +9,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from sim.wall import Wall
-from workflow.layers import Cloud
+from workflow.layers import NEXT, Cloud
 
 TOUCHING = 1.0
 """Particles nearer than this to a wall touch it, in spacings: a layer at rest is half a spacing away."""
+TOGETHER = 6
+"""Particles with fewer next to them are spray and stay as they are: 6 are next to the corner of a lattice. A lone drop
+that went on behind its wall would be a string of beads, whose bulges fold over one another when they are pressed flat.
+"""
 BEHIND = 3
 """Layers that go on behind a wall: the smoothing of the surface reaches about as far."""
 
@@ -26,7 +31,9 @@ def continued(cloud: Cloud, spacing: float, walls: Sequence[Wall]) -> Cloud:
     for wall in walls:
         normal = np.array(wall.normal)
         distance = positions @ normal - wall.offset
-        touching = distance < TOUCHING * spacing
+        touching = np.flatnonzero(distance < TOUCHING * spacing)
+        next_to = KDTree(positions).query_ball_point(positions[touching], NEXT * spacing, return_length=True) - 1
+        touching = touching[next_to >= TOGETHER]
         point, height = positions[touching], np.maximum(distance[touching], 0.0)
         along = velocities[touching] - (velocities[touching] @ normal)[:, None] * normal
         deep = [2 * height + layer * spacing for layer in range(BEHIND)]

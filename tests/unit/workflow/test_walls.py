@@ -30,10 +30,14 @@ ABOVE_TOP = 0.1 * RADIUS
 """How far the free surface may be from half a spacing above the particles: a twentieth of the spacing."""
 
 
+def lattice(*counts: int) -> np.ndarray:
+    axes = [SPACING * np.arange(count) for count in counts]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+
+
 def pool() -> np.ndarray:
     """Fluid that fills a tank to HEIGHT, not quite in order, float32, shape [n, 3]."""
-    axes = [(np.arange(count) + 0.5) * SPACING for count in COUNTS]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    points = lattice(*COUNTS) + SPACING / 2
     return (points + np.random.default_rng(0).normal(0, 0.03 * SPACING, points.shape)).astype(np.float32)
 
 
@@ -102,25 +106,41 @@ def test_an_oblique_wall():
     assert surface(turned, walls=walls).volume == pytest.approx(surface(points).volume, rel=ABOVE_TOP / HEIGHT)
 
 
-def test_a_drop_that_touches_no_wall_stays_as_it_is_to_the_last_bit():
-    drop = np.float32([[0.5, 1.01 * SPACING, 0.3]])
-    free, near = surface(drop, walls=()), surface(drop)
+def block(height: float) -> np.ndarray:
+    """27 particles around the middle of the tank, the lowest at a height in spacings."""
+    return (lattice(3, 3, 3) + np.array([LENGTH / 2, height * SPACING, DEPTH / 2])).astype(np.float32)
+
+
+def test_what_touches_no_wall_stays_as_it_is_to_the_last_bit():
+    free, near = surface(block(1.1), walls=()), surface(block(1.1))
     np.testing.assert_array_equal(near.vertices, free.vertices)
     np.testing.assert_array_equal(near.normals, free.normals)
-    touching = surface(drop - np.float32([0, 0.6 * SPACING, 0]))
-    assert touching.vertices[:, 1].min() == 0.0
-    assert (np.abs(touching.vertices[:, 1]) < 1e-7).sum() > 10
+    assert near.vertices[:, 1].min() > 0
+    lower = surface(block(0.5))
+    assert (lower.vertices[:, 1] == 0).sum() > 50
+
+
+def test_lone_drops_and_threads_are_not_drawn_to_a_wall():
+    """No more of them than what is behind the wall is changed."""
+    thread = lattice(12, 1, 1) + np.array([0.2, 0.5 * SPACING, 0.3])
+    drop = np.array([[0.8, 0.5 * SPACING, 0.3]])
+    spray = np.concatenate([thread, drop]).astype(np.float32)
+    free, near = surface(spray, walls=()), surface(spray)
+    np.testing.assert_allclose(near.vertices, np.maximum(free.vertices, [-1, 0, -1]), atol=1e-7)
 
 
 def test_particles_go_on_in_line_behind_a_wall():
-    points = np.float32([[0.5, 0.3 * SPACING, 0.3], [0.5, 3 * SPACING, 0.3]])
-    velocities = np.float32([[1, -2, 3], [0, 0, 0]])
+    points = block(0.3)
+    velocities = np.tile(np.float32([1, -2, 3]), (27, 1))
     cloud, speed = continued((points, velocities), SPACING, TANK[2:3])
-    np.testing.assert_array_equal(cloud[:2], points)
-    behind = -(0.3 + np.arange(BEHIND)) * SPACING
-    assert cloud[2:, 1] == pytest.approx(behind)
-    assert (cloud[2:, [0, 2]] == points[0, [0, 2]]).all()
-    np.testing.assert_array_equal(speed[2:], np.broadcast_to(np.float32([1, 0, 3]), (BEHIND, 3)))
+    np.testing.assert_array_equal(cloud[:27], points)
+    lowest = points[points[:, 1] < SPACING]
+    assert len(cloud) == 27 + 9 * BEHIND
+    for layer in range(BEHIND):
+        copies = cloud[27 + 9 * layer :][:9]
+        assert copies[:, 1] == pytest.approx(np.full(9, -(0.3 + layer) * SPACING), rel=1e-5)
+        np.testing.assert_array_equal(copies[:, [0, 2]], lowest[:, [0, 2]])
+    np.testing.assert_array_equal(speed[27:], np.broadcast_to(np.float32([1, 0, 3]), (9 * BEHIND, 3)))
 
 
 def scene(*events: dict) -> SimulationSpec:
