@@ -66,8 +66,8 @@ def _parted_at_walls(source: TriangleMesh) -> TriangleMesh:
         for names in ("xyz", NORMAL_COLUMNS)
     )
     triangles = np.asarray(source.triangles).reshape(-1, 3)
-    a, b, c = (place[triangles[:, corner]] for corner in range(3))
-    across = np.cross(b - a, c - a)
+    corner = place[triangles]
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     area = np.linalg.norm(across, axis=1)
     triangles, across, area = triangles[area > 0], across[area > 0], area[area > 0]
     cosine = np.einsum("ij,ikj->ik", across / area[:, None], normal[triangles]).max(axis=1, initial=0.0)

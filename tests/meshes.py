@@ -101,3 +101,11 @@ def without_mass() -> dict[str, tuple[Callable[[], Mesh], str]]:
         "a figure of eight": (figure_of_eight, "cuts through itself"),
         "a bow tie": (lambda: bow_tie((0.2, 0.1, 0.3)), "cuts through itself"),
     }
+
+
+def open_edges(triangles: np.ndarray) -> int:
+    """Edges that are not crossed once in each direction."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    size = edges.max() + 1
+    there, back = np.sort(edges[:, 0] * size + edges[:, 1]), np.sort(edges[:, 1] * size + edges[:, 0])
+    return int(np.count_nonzero(there != back))

@@ -30,9 +30,10 @@ def continued(cloud: Cloud, spacing: float, walls: Sequence[Wall]) -> Cloud:
     positions, velocities = (part.astype(np.float64) for part in cloud)
     for wall in walls:
         normal = np.array(wall.normal)
-        distance = positions @ normal - wall.offset
+        distance = wall.distance(positions)
         touching = np.flatnonzero(distance < TOUCHING * spacing)
-        next_to = KDTree(positions).query_ball_point(positions[touching], NEXT * spacing, return_length=True) - 1
+        around = KDTree(positions[distance < (TOUCHING + NEXT) * spacing])
+        next_to = around.query_ball_point(positions[touching], NEXT * spacing, return_length=True) - 1
         touching = touching[next_to >= TOGETHER]
         point, height = positions[touching], np.maximum(distance[touching], 0.0)
         along = velocities[touching] - (velocities[touching] @ normal)[:, None] * normal
@@ -50,9 +51,7 @@ def flush(
     place, outwards, velocity = (part.astype(np.float64) for part in (vertices, normals, velocities))
     for wall in walls:
         normal = np.array(wall.normal)
-        depth = wall.offset - place @ normal
-        behind = depth > 0
-        place[behind] += depth[behind, None] * normal
+        place, behind = wall.pressed(place)
         outwards[behind] = -normal
         velocity[behind] -= (velocity[behind] @ normal)[:, None] * normal
     return place.astype(np.float32), outwards.astype(np.float32), velocity.astype(np.float32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import trimesh
@@ -10,7 +11,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from sim.foam.fluid import hermite
 from sim.geometry.distance import MeshDistance
-from sim.geometry.winding import WindingNumber
+from sim.geometry.solids import MeshSolid, Pose
 
 
 @dataclass(frozen=True)
@@ -41,14 +42,18 @@ class Body:
     """The inside of a closed mesh, whose vertices [m] are relative to its motion's position."""
 
     def __init__(self, mesh: trimesh.Trimesh):
-        self._low, self._high = mesh.bounds
-        self._winding, self._surface = WindingNumber(mesh), MeshDistance(mesh)
+        self._solid = MeshSolid(Pose(), mesh)
+        self._low, self._high = self._solid.bounds
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Whether points [m], shape [n, 3], are inside; shape [n]."""
         inside = ((points > self._low) & (points < self._high)).all(axis=1)
-        inside[inside] = self._winding.at(points[inside]) > 0
+        inside[inside] = self._solid.contains(points[inside])
         return inside
+
+    @cached_property
+    def _surface(self) -> MeshDistance:
+        return MeshDistance(self._solid.mesh)
 
     def nearest(self, points: np.ndarray) -> np.ndarray:
         """The points of the surface [m] next to points [m]; shape [n, 3]."""

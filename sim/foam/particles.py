@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.foam.bodies import Passing, Placed
 from sim.foam.fluid import Fluid, Passage
 from sim.foam.spec import FoamJobSpec, FoamSpec, Range
 from sim.wall import Wall
+
+if TYPE_CHECKING:
+    from sim.foam.bodies import Passing, Placed
 
 SPRAY, FOAM, BUBBLE = 0, 1, 2
 RADIUS = 1 / 6
@@ -105,10 +108,7 @@ def held(
         position, velocity, inside = body.held(position, velocity)
         touching |= inside
     for wall in walls:
-        normal = np.array(wall.normal)
-        depth = wall.offset - position @ normal
-        through = depth > 0
-        position = position + np.where(through, depth, 0.0)[:, None] * normal
+        position, through = wall.pressed(position)
         velocity = np.where(through[:, None], 0.0, velocity)
         touching |= through
     return position, velocity, touching

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.meshes import open_edges
 from workflow.ply import BadPly, columns, read_points
 from workflow.presets import PRESETS, QUALITIES
 from workflow.reconstruct import run
@@ -39,14 +40,6 @@ def write_fluid(path: Path, positions: np.ndarray, velocities: np.ndarray) -> No
     header = [f"property {kinds[FLUID[name].str[1:]]} {name}" for name in FLUID.names]
     top = ["ply", "format binary_little_endian 1.0", "comment test", f"element vertex {len(points)}", *header]
     path.write_bytes("\n".join([*top, "end_header\n"]).encode() + points.tobytes())
-
-
-def open_edges(triangles: np.ndarray) -> int:
-    """Edges that are not crossed once in each direction."""
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
-    size = edges.max() + 1
-    there, back = np.sort(edges[:, 0] * size + edges[:, 1]), np.sort(edges[:, 1] * size + edges[:, 0])
-    return int(np.count_nonzero(there != back))
 
 
 def spec(**surface) -> ReconstructSpec:

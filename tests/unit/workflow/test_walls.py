@@ -7,6 +7,7 @@ import pytest
 
 from sim.spec import SimulationSpec
 from sim.wall import Wall
+from tests.meshes import open_edges
 from workflow.standing import standing_walls
 from workflow.surface import Surface, reconstruct
 from workflow.surface_spec import ReconstructSpec
@@ -44,12 +45,6 @@ def pool() -> np.ndarray:
 def surface(points: np.ndarray, velocities: np.ndarray | None = None, walls: tuple[Wall, ...] = TANK) -> Surface:
     still = np.zeros_like(points) if velocities is None else velocities
     return reconstruct(points, still, ReconstructSpec(particle_radius=RADIUS, walls=walls))
-
-
-def open_edges(triangles: np.ndarray) -> int:
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    there, back = (sorted(map(tuple, pairs)) for pairs in (edges, edges[:, ::-1]))
-    return int(there != back)
 
 
 def test_a_tank_is_full_to_its_edges():
