@@ -2,49 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pysplashsurf
 
+from workflow.drops import APART, alone, balls
 from workflow.layers import whole_layers
+from workflow.surface_mesh import Surface
 from workflow.surface_spec import ReconstructSpec
 from workflow.walls import continued, flush
 
 
-@dataclass(frozen=True)
-class Surface:
-    """A closed triangle mesh."""
-
-    vertices: np.ndarray
-    """Positions [m], float32, shape [n, 3]."""
-    normals: np.ndarray
-    """Unit vectors out of the fluid, float32, shape [n, 3]."""
-    velocities: np.ndarray
-    """Of the fluid at the vertices [m/s], float32, shape [n, 3]."""
-    triangles: np.ndarray
-    """Indices of vertices, counter-clockwise from outside, int32, shape [m, 3]."""
-
-    @property
-    def volume(self) -> float:
-        """Enclosed volume [m^3], by the divergence theorem."""
-        if not len(self.triangles):
-            return 0.0
-        origin = self.vertices.mean(axis=0, dtype=np.float64)
-        a, b, c = np.moveaxis(self.vertices[self.triangles].astype(np.float64) - origin, 1, 0)
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
-
-
 def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, *, threads: int = 1) -> Surface:
     """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
+    if not len(positions):
+        return Surface.empty()
+    surface, spacing = spec.surface, 2 * spec.particle_radius
+    if surface.layers.enabled:
+        positions, velocities = whole_layers(positions, velocities, spacing, surface.layers)
+    drops = Surface.empty()
+    if surface.drops:
+        lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
+        drops = balls(positions[lone], velocities[lone], spacing**3)
+        positions, velocities = positions[~lone], velocities[~lone]
+    positions, velocities = continued((positions, velocities), spacing, spec.walls)
+    return flush(_found(positions, velocities, spec, threads) + drops, spec.walls)
+
+
+def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, threads: int) -> Surface:
+    """What splashsurf finds, with normals that are finite everywhere."""
+    if not len(positions):
+        return Surface.empty()
     surface = spec.surface
     smoothing = surface.smoothing
-    if not len(positions):
-        nothing = np.empty((0, 3), np.float32)
-        return Surface(nothing, nothing, nothing, np.empty((0, 3), np.int32))
-    if surface.layers.enabled:
-        positions, velocities = whole_layers(positions, velocities, 2 * spec.particle_radius, surface.layers)
-    positions, velocities = continued((positions, velocities), 2 * spec.particle_radius, spec.walls)
     found, _ = pysplashsurf.reconstruction_pipeline(
         positions,
         attributes_to_interpolate={"velocity": velocities},
@@ -68,7 +57,7 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     vertices = np.asarray(found.mesh.vertices, np.float32)
     triangles = np.asarray(found.mesh.triangles).astype(np.int32)
     normals = _finite(np.asarray(attributes["normals"], np.float32), vertices, triangles)
-    return Surface(*flush(vertices, normals, np.asarray(attributes["velocity"], np.float32), spec.walls), triangles)
+    return Surface(vertices, normals, np.asarray(attributes["velocity"], np.float32), triangles)
 
 
 def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:

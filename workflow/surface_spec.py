@@ -65,6 +65,8 @@ class SurfaceSpec(Settings):
     surface_threshold: Annotated[Dimensionless, Gt(0), Le(1.5)] = 0.6
     """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
     layers: Layers = Layers()
+    drops: bool = True
+    """Make a ball of each particle that no other is near, of its volume."""
     walls: bool = True
     """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
     smoothing: MeshSmoothing = MeshSmoothing()

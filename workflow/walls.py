@@ -13,6 +13,7 @@ from scipy.spatial import KDTree
 
 from sim.wall import Wall
 from workflow.layers import NEXT, Cloud
+from workflow.surface_mesh import Surface
 
 TOUCHING = 1.0
 """Particles nearer than this to a wall touch it, in spacings: a layer at rest is half a spacing away."""
@@ -43,15 +44,14 @@ def continued(cloud: Cloud, spacing: float, walls: Sequence[Wall]) -> Cloud:
     return positions.astype(np.float32), velocities.astype(np.float32)
 
 
-def flush(
-    vertices: np.ndarray, normals: np.ndarray, velocities: np.ndarray, walls: Sequence[Wall]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices [m] with unit normals and velocities [m/s], float32, shape [n, 3], of which those behind walls have come
-    to them: they look into the wall, and move along it."""
-    place, outwards, velocity = (part.astype(np.float64) for part in (vertices, normals, velocities))
+def flush(surface: Surface, walls: Sequence[Wall]) -> Surface:
+    """The surface, of which what was behind walls has come to them: it looks into the wall, and moves along it."""
+    place, outwards, velocity = (
+        part.astype(np.float64) for part in (surface.vertices, surface.normals, surface.velocities)
+    )
     for wall in walls:
         normal = np.array(wall.normal)
         place, behind = wall.pressed(place)
         outwards[behind] = -normal
         velocity[behind] -= (velocity[behind] @ normal)[:, None] * normal
-    return place.astype(np.float32), outwards.astype(np.float32), velocity.astype(np.float32)
+    return Surface(*(part.astype(np.float32) for part in (place, outwards, velocity)), surface.triangles)

@@ -77,6 +77,7 @@ def test_a_film_whose_node_fails_is_the_film_of_one_machine(slurm, tmp_path):
     time.sleep(2)
     slurm("repair")
     text, _ = farm.communicate(timeout=600)
+    print(text)
     assert farm.returncode == 0, text
     assert "Error in group render" in text and "Trying to restart" in text, text
 

@@ -9,7 +9,8 @@ from sim.spec import SimulationSpec
 from sim.wall import Wall
 from tests.meshes import open_edges
 from workflow.standing import standing_walls
-from workflow.surface import Surface, reconstruct
+from workflow.surface import reconstruct
+from workflow.surface_mesh import Surface
 from workflow.surface_spec import ReconstructSpec
 from workflow.walls import BEHIND, continued
 
