@@ -7,11 +7,15 @@ lie between them.
 from __future__ import annotations
 
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from workflow.surface_mesh import Surface
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 APART = 3.0
 """Least distance of lone particles from all others, in particle radii, however short the kernel: their balls, of 1.3
@@ -26,9 +30,11 @@ def alone(positions: np.ndarray, reach: float) -> np.ndarray:
 
 def balls(centers: np.ndarray, velocities: np.ndarray, volume: float) -> Surface:
     """Balls of a `volume` [m^3] each around `centers` [m] with `velocities` [m/s], float32, shape [k, 3]."""
-    outwards, triangles = _unit_ball()
-    of_one = np.linalg.det(outwards[triangles]).sum() / 6
-    vertices = centers[:, None].astype(np.float64) + np.cbrt(volume / of_one) * outwards
+    if not len(centers):
+        return Surface.empty()
+    ball = _unit_ball()
+    outwards, triangles = np.asarray(ball.vertices), np.asarray(ball.faces)
+    vertices = centers[:, None].astype(np.float64) + np.cbrt(volume / ball.volume) * outwards
     corners = len(outwards) * np.arange(len(centers))[:, None, None] + triangles
     return Surface(
         vertices.reshape(-1, 3).astype(np.float32),
@@ -39,9 +45,8 @@ def balls(centers: np.ndarray, velocities: np.ndarray, volume: float) -> Surface
 
 
 @cache
-def _unit_ball() -> tuple[np.ndarray, np.ndarray]:
-    """Points of the unit sphere, shape [42, 3], and the triangles between them: about as many as small cubes make."""
+def _unit_ball() -> Trimesh:
+    """Of about as many triangles, 80, as small cubes make of a drop."""
     from trimesh.creation import icosphere
 
-    ball = icosphere(subdivisions=1)
-    return np.asarray(ball.vertices), np.asarray(ball.faces)
+    return icosphere(subdivisions=1)

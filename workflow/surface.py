@@ -14,8 +14,6 @@ from workflow.walls import continued, flush
 
 def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, *, threads: int = 1) -> Surface:
     """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
-    if not len(positions):
-        return Surface.empty()
     surface, spacing = spec.surface, 2 * spec.particle_radius
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, spacing, surface.layers)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sim.wall import Wall
+from tests.lattices import lattice
 from tests.meshes import open_edges
 from workflow.presets import PRESETS
 from workflow.surface import reconstruct
@@ -31,14 +32,8 @@ def surface(points: np.ndarray, velocities: np.ndarray | None = None, **settings
 
 def scattered(count: int) -> np.ndarray:
     """Particles more than three spacings from one another, nowhere in particular on a grid; shape [count^3, 3]."""
-    axes = np.arange(count)
-    cells = np.stack(np.meshgrid(axes, axes, axes, indexing="ij"), -1).reshape(-1, 3)
+    cells = lattice(count, count, count)
     return SPACING * (4 * cells + np.random.default_rng(1).random(cells.shape))
-
-
-def block() -> np.ndarray:
-    axes = SPACING * np.arange(6)
-    return np.stack(np.meshgrid(axes, axes, axes, indexing="ij"), -1).reshape(-1, 3)
 
 
 @pytest.mark.parametrize("quality", ["draft", "standard", "final"])
@@ -83,8 +78,9 @@ def test_a_short_kernel_makes_no_balls_that_overlap():
 
 
 def test_a_drop_changes_nothing_of_the_water_below_it():
-    alone = surface(block())
-    both = surface(np.concatenate([block(), [[0.1, 1.0, 0.1]]]))
+    block = SPACING * lattice(6, 6, 6)
+    alone = surface(block)
+    both = surface(np.concatenate([block, [[0.1, 1.0, 0.1]]]))
     count = len(alone.vertices)
     np.testing.assert_array_equal(both.vertices[:count], alone.vertices)
     np.testing.assert_array_equal(both.triangles[: len(alone.triangles)], alone.triangles)

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from sim.files import FLUID_POINT, write_mesh, write_points
+from tests.lattices import lattice
 from workflow.foam import main
 from workflow.ply import read_points
 
@@ -20,8 +21,7 @@ def simulation(tmp_path):
     """A cube of fluid that falls together for five frames."""
     folder = tmp_path / "simulation"
     folder.mkdir()
-    axis = (np.arange(9) - 4) * 0.02
-    start = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    start = 0.02 * (lattice(9, 9, 9) - 4)
     for frame in range(5):
         points = np.zeros(len(start), FLUID_POINT)
         for k, name in enumerate("xyz"):

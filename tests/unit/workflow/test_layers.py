@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from sim.geometry.thinning import first_come
+from tests import lattices
 from workflow.layers import whole_layers
 from workflow.surface import reconstruct
 from workflow.surface_spec import Layers, ReconstructSpec
@@ -23,8 +24,7 @@ SUPPORT = 2.0
 
 
 def lattice(*counts: int, spacing: float = SPACING) -> np.ndarray:
-    axes = np.meshgrid(*(spacing * np.arange(count) for count in counts), indexing="ij")
-    return np.stack([axis.ravel() for axis in axes], axis=1).astype(np.float32)
+    return (spacing * lattices.lattice(*counts)).astype(np.float32)
 
 
 def still(points: np.ndarray) -> np.ndarray:

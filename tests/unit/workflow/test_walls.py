@@ -7,6 +7,7 @@ import pytest
 
 from sim.spec import SimulationSpec
 from sim.wall import Wall
+from tests.lattices import lattice
 from tests.meshes import open_edges
 from workflow.standing import standing_walls
 from workflow.surface import reconstruct
@@ -32,14 +33,9 @@ ABOVE_TOP = 0.1 * RADIUS
 """How far the free surface may be from half a spacing above the particles: a twentieth of the spacing."""
 
 
-def lattice(*counts: int) -> np.ndarray:
-    axes = [SPACING * np.arange(count) for count in counts]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
-
-
 def pool() -> np.ndarray:
     """Fluid that fills a tank to HEIGHT, not quite in order, float32, shape [n, 3]."""
-    points = lattice(*COUNTS) + SPACING / 2
+    points = SPACING * lattice(*COUNTS) + SPACING / 2
     return (points + np.random.default_rng(0).normal(0, 0.03 * SPACING, points.shape)).astype(np.float32)
 
 
@@ -104,7 +100,7 @@ def test_an_oblique_wall():
 
 def block(height: float) -> np.ndarray:
     """27 particles around the middle of the tank, the lowest at a height in spacings."""
-    return (lattice(3, 3, 3) + np.array([LENGTH / 2, height * SPACING, DEPTH / 2])).astype(np.float32)
+    return (SPACING * lattice(3, 3, 3) + np.array([LENGTH / 2, height * SPACING, DEPTH / 2])).astype(np.float32)
 
 
 def test_what_touches_no_wall_stays_as_it_is_to_the_last_bit():
@@ -121,7 +117,7 @@ def test_what_touches_no_wall_stays_as_it_is_to_the_last_bit():
 
 def test_lone_drops_and_threads_are_not_drawn_to_a_wall():
     """No more of them than what is behind the wall is changed."""
-    thread = lattice(12, 1, 1) + np.array([0.2, 0.5 * SPACING, 0.3])
+    thread = SPACING * lattice(12, 1, 1) + np.array([0.2, 0.5 * SPACING, 0.3])
     drop = np.array([[0.8, 0.5 * SPACING, 0.3]])
     spray = np.concatenate([thread, drop]).astype(np.float32)
     free, near = surface(spray, walls=()), surface(spray)
