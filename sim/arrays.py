@@ -86,6 +86,13 @@ class Particles:
                 setattr(self, field.name, target)
                 self._spare[field.element] = source
 
+    def leave_out(self, gone: np.ndarray) -> int:
+        """Hold all but those that are `gone`, shape [count], in their order; how many those were."""
+        number = int(gone.sum())
+        if number:
+            self.reorder(np.argsort(gone, kind="stable").astype(np.int32), self.count - number)
+        return number
+
     def state(self) -> dict[str, np.ndarray]:
         """Copies of the saved arrays by name."""
         return {field.name: self.numpy(field.name) for field in self.declared if field.saved}

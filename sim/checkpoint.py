@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from sim.files import whole
+from sim.probe_means import Gathered
 from sim.settings import Refused
 from sim.spec import SimulationSpec
 from sim.state_head import Head
@@ -50,6 +51,7 @@ class Checkpoint:
     clock: Clock
     counts: dict[str, int]
     probe_times: dict[str, float]
+    probe_means: dict[str, Gathered]
     emission: dict[str, Any]
     origin: np.ndarray
     fluid: FluidState | None
@@ -77,6 +79,7 @@ class Checkpoint:
             "clock": asdict(self.clock),
             "counts": self.counts,
             "probe_times": self.probe_times,
+            "probe_means": {name: asdict(values) for name, values in self.probe_means.items()},
             "emission": self.emission,
             "layout": _layout(spec),
         }
@@ -123,7 +126,8 @@ class Checkpoint:
         origin = arrays.get("origin")
         if origin is None or origin.shape != (3,) or origin.dtype != np.float64 or not np.isfinite(origin).all():
             raise _damaged(path, "origin is missing or of another kind")
-        return cls(clock, head.counts, head.probe_times, emission, origin, fluid, rigid, cloth)
+        means = {name: Gathered(**values.model_dump()) for name, values in head.probe_means.items()}
+        return cls(clock, head.counts, head.probe_times, means, emission, origin, fluid, rigid, cloth)
 
 
 def state_name(frame: int) -> str:

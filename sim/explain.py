@@ -58,6 +58,10 @@ def _fluid(spec: SimulationSpec, world: World) -> Iterator[Line]:
         return
     count = _particles(world, fluid)
     yield Line("fluid", f"{count:,} particles at distances of {_length(fluid.spacing)} by {fluid.solver.upper()}")
+    for volume in world.volumes.values():
+        yield Line("fluid.bodies", volume.line())
+    for text in world.warnings():
+        yield Line("fluid", f"warning: {text}")
     for name, term in _terms(fluid):
         if term:
             yield Line(f"fluid.{name}", term)
@@ -196,19 +200,19 @@ def _meet(spec: SimulationSpec, world: World, gravity: float, duration: float) -
     """Whether a sheet may come where fluid may come, both given all room that they could need."""
     if spec.events or spec.fluid.emitters:
         return True
-    fluid = [_room(np.asarray(source.bounds), source.velocity, gravity, duration) for source in world.sources]
+    fluid = [_room(np.asarray(source.bounds), source.speed, gravity, duration) for source in world.sources]
     for item in world.sheets:
         box = _box(item)
-        free = _room(box, item.sheet.velocity, gravity, duration)
+        free = _room(box, float(np.linalg.norm(item.sheet.velocity)), gravity, duration)
         room = _grown(box, _diagonal(item)) if item.sheet.pins else free
         if any((room[0] <= other[1]).all() and (other[0] <= room[1]).all() for other in fluid):
             return True
     return False
 
 
-def _room(box: np.ndarray, velocity: object, gravity: float, duration: float) -> np.ndarray:
+def _room(box: np.ndarray, speed: float, gravity: float, duration: float) -> np.ndarray:
     """The box [m] around all that something free may reach: nothing is faster than by its fall."""
-    way = float(np.linalg.norm(np.asarray(velocity, dtype=float))) * duration + gravity * duration**2 / 2
+    way = speed * duration + gravity * duration**2 / 2
     return _grown(box, way)
 
 

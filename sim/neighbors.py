@@ -61,14 +61,19 @@ class HashGrid:
     def __init__(self, count: int, radius: float):
         self.radius = radius
         self._capacity = 0
+        self.periods = (0, 0, 0)
         self.fit(count)
 
-    def fit(self, count: int) -> None:
-        """Choose the period for this many points; the order of points depends on it."""
+    def fit(self, count: int) -> bool:
+        """Choose the period for this many points; the order of points depends on it. Returns whether it is another:
+        then nothing is sorted any more."""
+        if self.periods == periods_for(count):
+            return False
         self.periods = periods_for(count)
         self._cells = self.periods[0] * SLICES * self.periods[1] * self.periods[2]
         self.start = ti.ndarray(ti.i32, self._cells + 2)
         self._chunks = ti.ndarray(ti.i32, -(-(self._cells + 2) // SCAN_CHUNK))
+        return True
 
     def sort(self, position: ti.Ndarray, count: int) -> ti.Ndarray:
         """Find the order of points by cell; stable, so that the same positions give the same order."""
@@ -135,6 +140,11 @@ class NeighborList:
         """Make room for the lists of `count` particles; where there was less, none is kept."""
         if count > self._rows:
             self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+
+    def forget(self, count: int) -> None:
+        """Hold rows for `count` points of whose neighbours nothing is known but that they may have some."""
+        self.reserve(count)
+        self.size.fill(1)
 
     def grow(self, longest: int) -> None:
         """Make room for lists of `longest` and more; none is kept."""

@@ -92,6 +92,11 @@ class Obstacles:
         """Normals and offsets of all walls, shape [n, 4]."""
         return np.array([[*wall.normal, wall.offset] for wall in self.walls]).reshape(-1, 4)
 
+    @property
+    def endless(self) -> bool:
+        """Whether a body moves on for ever as the scene prescribes."""
+        return any(item.motion.endless for item in self.prescribed.values())
+
     def bounds(self) -> list[np.ndarray]:
         """Boxes around everything that ends somewhere [m], each of shape [2, 3]."""
         return [item.bounds for item in self.placed] + self.box_bounds()

@@ -88,6 +88,11 @@ class Prescribed:
         """The greatest speed [m/s] at any time within `reach` [m] of the body's own origin."""
         return max(piece.speed_within(reach) for piece in self._pieces)
 
+    @property
+    def endless(self) -> bool:
+        """Whether it goes on for ever."""
+        return bool(self._pieces[-1].velocity.any())
+
     def sweep(self, points: np.ndarray) -> np.ndarray:
         """Box [m], shape [2, 3], around the ways of points of the placed shape [m], shape [n, 3].
 

@@ -11,7 +11,8 @@ from sim.world import Counts, World
 
 
 def preview(spec: SimulationSpec, folder: Path) -> str:
-    """One line about what the scene holds at the start; raises Refused for what can not be simulated."""
+    """One line about what the scene holds at the start, and one for each warning; raises Refused for what can not be
+    simulated."""
     for index, event in enumerate(spec.events):
         try:
             world = World(spec_at(spec, event.at), folder)
@@ -25,8 +26,9 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
     if spec.fluid is not None:
         particles, counts = _pour(world, list(spec.fluid.bodies), 0.0)
         parts.insert(0, f"{particles:,} fluid particles")
+        parts += [volume.line() for volume in world.volumes.values()]
         if counts.particles_without_room:
-            parts.append(f"{counts.particles_without_room:,} particles removed inside solids or outside containers")
+            parts.append(f"{counts.particles_without_room:,} particles have no room")
         for outlet in world.outlets:
             flow = f"{outlet.rate:.3g} m^3/s at {outlet.speed:.3g} m/s"
             parts.append(f"{outlet.name}: {flow}, {outlet.particle_rate:,.0f} particles a second")
@@ -35,7 +37,8 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]
-    return "; ".join(parts)
+    warnings = [f"\n  warning: {text}" for text in world.warnings()]
+    return "; ".join(parts) + "".join(warnings)
 
 
 def _pour(world: World, bodies: list[str], time: float) -> tuple[int, Counts]:

@@ -4,11 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.spec import BodyForce, Front, PinForce, Pressure, Probe, SimulationSpec, VertexPosition, Volume, WaterHeight
+from sim.probe_means import Gathered
+from sim.spec import (
+    BodyForce,
+    Front,
+    PinForce,
+    Pressure,
+    Probe,
+    Region,
+    SimulationSpec,
+    VertexPosition,
+    Volume,
+    WaterHeight,
+)
 
 if TYPE_CHECKING:
     from sim.world import World
@@ -17,21 +30,29 @@ COLUMNS = ("time", "probe", "quantity", "value", "unit")
 
 
 class Probes:
-    """The probes of a scene, and when each is due next [s]."""
+    """The probes of a scene, when each is due next [s], and what those that tell means have gathered."""
 
-    def __init__(self, spec: SimulationSpec, due: dict[str, float] | None = None):
+    def __init__(
+        self,
+        spec: SimulationSpec,
+        due: dict[str, float] | None = None,
+        gathered: dict[str, Gathered] | None = None,
+    ):
         self.probes = spec.probes
         self.fps = spec.fps
         self.due = {name: 0.0 for name in self.probes} | (due or {})
+        self.gathered = {name: replace(values) for name, values in (gathered or {}).items()}
 
     def sample(self, world: World, time: float) -> Iterator[tuple[float, str, str, float, str]]:
         """Rows for the probes that are due at or before `time` [s], with the time of this step."""
-        names = [name for name in self.probes if self.due[name] <= time + 1e-12]
         view = None
-        for name in names:
-            probe = self.probes[name]
-            rate = probe.rate or self.fps
-            self.due[name] = (math.floor(time * rate + 1e-6) + 1) / rate
+        for name, probe in self.probes.items():
+            means, is_due = getattr(probe, "mean", False), self.due[name] <= time + 1e-12
+            if not (is_due or means):
+                continue
+            if is_due:
+                rate = probe.rate or self.fps
+                self.due[name] = (math.floor(time * rate + 1e-6) + 1) / rate
             if isinstance(probe, VertexPosition | PinForce):
                 rows = _of_sheet(world, probe)
             elif world.fluid is None:
@@ -39,6 +60,8 @@ class Probes:
             else:
                 view = view or FluidView(world, time)
                 rows = view.read(probe)
+            if means:
+                rows = self.gathered.setdefault(name, Gathered(time, time)).take(rows, time, is_due=is_due)
             for quantity, value, unit in rows:
                 yield time, name, quantity, value, unit
 
@@ -56,20 +79,22 @@ class FluidView:
         self.spec = part.system.spec
         self.points = state.position[:, :3].astype(np.float64) + world.origin
         self.density = state.velocity[:, 3].astype(np.float64)
-        self.pressure = state.position[:, 3].astype(np.float64) * self.density**2
+        self.pressure = part.system.pressures() * self.density**2
 
     def read(self, probe: Probe) -> list[tuple[str, float, str]]:
         match probe:
             case WaterHeight():
                 return [("water_height", self.water_height(probe.x, probe.z), "m")]
             case Pressure():
-                return [("pressure", self.pressure_at(np.array(probe.at)), "Pa")]
+                from sim.coupling.pressure_at import pressure_at
+
+                return [("pressure", pressure_at(self, np.array(probe.at)), "Pa")]
             case Front():
                 return [("front", self.front(probe.axis), "m")]
             case Volume():
                 return [("volume", self.volume(), "m^3")]
             case BodyForce():
-                force, torque = self.force_on(probe.body)
+                force, torque = self.force_on(probe.body, probe.region)
                 rows = [(f"force_{axis}", float(force[k]), "N") for k, axis in enumerate("xyz")]
                 return rows + [(f"torque_{axis}", float(torque[k]), "N m") for k, axis in enumerate("xyz")]
         raise TypeError(f"no measurement for {type(probe).__name__}")
@@ -93,14 +118,6 @@ class FluidView:
         share = (0.5 - filled[k - 1]) / (filled[k] - filled[k - 1])
         return float(heights[k - 1] + share * (heights[k] - heights[k - 1]))
 
-    def pressure_at(self, at: np.ndarray) -> float:
-        """Mean of the particles' pressures around a point, weighted by the kernel (Shepard 1968) [Pa]; 0 in air."""
-        from sim.fluid.kernel import cubic_host
-
-        weights = cubic_host(np.linalg.norm(self.points - at, axis=1), self.h) * self.mass / np.maximum(self.density, 1)
-        total = weights.sum()
-        return float((weights * self.pressure).sum() / total) if total > 0 else 0.0
-
     def front(self, axis: str) -> float:
         """Furthest particle's surface along the axis [m]; negative axes measure downwards along it."""
         if not len(self.points):
@@ -113,16 +130,19 @@ class FluidView:
         """Sum of m / rho [m^3]; a density below rest, as at the free surface, is the kernel's lack, not the fluid's."""
         return float((self.mass / np.maximum(self.density, self.spec.rest_density)).sum())
 
-    def force_on(self, body: str) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] and torque about its centre of mass [N m] that the fluid exerts on a solid."""
-        from sim.coupling.fluid_rigid import reaction
+    def force_on(self, body: str, region: Region | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and torque about its centre of mass [N m] that the fluid exerts on a solid, or on the part of its
+        surface that is in a region."""
+        from sim.coupling.force_on_solid import reaction
+
+        box = np.array([region.low, region.high]) - self.world.origin if region else None
 
         for index, item in enumerate(self.world.obstacles.placed):
             if item.name == body and item.motion and item.motion.obeys_forces:
                 return self.world.floating.acting(index)
             if item.name == body:
                 centre = item.centre_at(self.time) - self.world.origin
-                return reaction(self.world.fluid.system, index, centre)
+                return reaction(self.world.fluid.system, index, centre, box)
         return np.zeros(3), np.zeros(3)
 
 

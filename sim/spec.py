@@ -81,11 +81,13 @@ class WaterHeight(Settings):
 
 
 class Pressure(Settings):
-    """Pressure of the fluid at a point [Pa]."""
+    """Pressure of the fluid at a point [Pa]; beside a solid, what it exerts there."""
 
     type: Literal["pressure"]
     at: Position
     rate: Frequency | None = None
+    mean: bool = False
+    """Each row is the mean over the time since the one before, and not the value at its time: peaks are filtered."""
 
 
 class Front(Settings):
@@ -103,12 +105,30 @@ class Volume(Settings):
     rate: Frequency | None = None
 
 
+class Region(Settings):
+    """A box along the axes."""
+
+    low: Position
+    high: Position
+
+    @model_validator(mode="after")
+    def _is_a_box(self) -> Self:
+        if not all(a < b for a, b in zip(self.low, self.high, strict=True)):
+            raise ValueError("low must be below high along each axis")
+        return self
+
+
 class BodyForce(Settings):
     """Force [N] and torque about the centre of mass [N m] of the fluid on a rigid body."""
 
     type: Literal["force"]
     body: Name
+    region: Region | None = None
+    """Only what acts on the part of the surface that is in here at the time of the row."""
     rate: Frequency | None = None
+    mean: bool = False
+    """Each row is the mean over the time since the one before, and not the value at its time; the impulse since the
+    start [N s] is told, too."""
 
 
 class VertexPosition(Settings):

@@ -39,6 +39,15 @@ class EmissionHead(Settings):
     full: bool = False
 
 
+class GatheredHead(Settings):
+    """What a probe that tells means has gathered."""
+
+    since: Time
+    until: Time
+    sums: tuple[Annotated[float, Strict()], ...]
+    impulse: tuple[Annotated[float, Strict()], ...]
+
+
 class Head(Settings):
     """All of it."""
 
@@ -46,6 +55,7 @@ class Head(Settings):
     clock: ClockHead
     counts: dict[str, Whole]
     probe_times: dict[str, Time]
+    probe_means: dict[str, GatheredHead] = {}
     emission: EmissionHead = EmissionHead()
     layout: dict[str, Any]
     dynamic_bodies: tuple[str, ...] | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,6 +63,8 @@ class Run:
         self.good: Checkpoint | None = None
         """The state after the last frame that was written."""
         self._mended: set[str] = set()
+        self.warnings: list[str] = []
+        """What was said of fluid bodies of which there is less than was asked for."""
         self.untangled: dict[str, str] = {}
         """What was said of sheets that do not begin where they are placed."""
         self.stop_requested = False
@@ -93,7 +95,7 @@ class Run:
         self.good = checkpoint
         self.clock = Clock(**asdict(checkpoint.clock))
         self.counts = Counts(**checkpoint.counts)
-        self.probes = Probes(self.spec, checkpoint.probe_times)
+        self.probes = Probes(self.spec, checkpoint.probe_times, checkpoint.probe_means)
         with self.stopwatch.phase("build"):
             self.world = World(
                 spec_before(self.spec, self.clock.time),
@@ -137,6 +139,7 @@ class Run:
             clock=Clock(**asdict(self.clock)),
             counts=asdict(self.counts),
             probe_times=dict(self.probes.due),
+            probe_means={name: replace(values) for name, values in self.probes.gathered.items()},
             emission=self._emission(),
             origin=self.world.origin,
             fluid=self.world.fluid.state() if self.world.fluid else None,
@@ -189,7 +192,7 @@ class Run:
 
     def _try_frame(self, output: Output, retry: int) -> Fault | None:
         """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
-        self.world.begin_frame()
+        self._count_fallen(self.world.begin_frame())
         since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
         # An event that comes in while a frame is repeated would have been met by what was tried before.
         self._repeated = retry > 0
@@ -210,6 +213,15 @@ class Run:
             else:
                 self.clock.frame += 1
                 return None
+
+    def _count_fallen(self, number: int) -> None:
+        """Count particles that were taken out since they had fallen out of the scene, and tell of the first."""
+        if number and not self.counts.particles_fallen:
+            self.warn(
+                f"fluid falls out of the scene: particles {self.world.depth:.3g} m below everything are taken out "
+                "(particles_fallen in summary.json tells how many); a floor would keep them"
+            )
+        self.counts.particles_fallen += number
 
     def _step(self, until: float, output: Output) -> Fault | None:
         """One step, no further than to the time `until` [s], which is met exactly."""
@@ -248,7 +260,7 @@ class Run:
 
     def _count(self, told: dict[str, float]) -> None:
         self.counts.steps_capped += int(told.get("capped", 0) > 0)
-        self.counts.particles_squeezed += int(told.get("squeezed", 0))
+        self.counts.particles_held_off += int(told.get("held_off", 0))
         self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
         self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
         self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
@@ -301,7 +313,14 @@ class Run:
         return names + [name for event in self.spec.events for name in event.add.fluid]
 
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
-        return self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time) if bodies else state
+        if not bodies:
+            return state
+        state = self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time)
+        for text in self.world.warnings():
+            if text not in self.warnings:
+                self.warnings.append(text)
+                self.warn(text)
+        return state
 
     def _tell_mended(self) -> None:
         """Warn once of every mesh that is not what its file holds."""

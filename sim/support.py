@@ -55,6 +55,12 @@ def _refuse_settings(spec: SimulationSpec) -> None:
                 location=("probes", name, "body"),
                 remedy="name a rigid body that is no plane",
             )
+        if probe.type == "force" and probe.region and _is_dynamic(spec, probe.body):
+            raise Refused(
+                f"the force on a part of '{probe.body}' can not be measured, which obeys forces",
+                location=("probes", name, "region"),
+                remedy="leave it out, or use a body with motion: static or prescribed",
+            )
     for index, event in enumerate(spec.events):
         for part in ("fluid", "emitters", "drains"):
             if getattr(event.add, part) and spec.fluid is None:
@@ -119,6 +125,12 @@ def _refuse_sheetless(spec: SimulationSpec, name: str, sheet: str) -> None:
             location=("probes", name, "sheet"),
             remedy="name one of cloth.sheets, or remove the probe",
         )
+
+
+def _is_dynamic(spec: SimulationSpec, name: str) -> bool:
+    return any(
+        location[-1] == name and getattr(body, "motion", None) == "dynamic" for location, body in spec.placements()
+    )
 
 
 def _has_surface(spec: SimulationSpec, name: str) -> bool:

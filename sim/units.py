@@ -111,6 +111,7 @@ Frequency = Annotated[float, Gt(0), Le(1e9), Unit("Hz")]
 Speed = Annotated[float, Ge(-1e5), Le(1e5), Unit("m/s")]
 PositiveSpeed = Annotated[float, Gt(0), Le(1e7), Unit("m/s")]
 Acceleration = Annotated[float, Ge(-1e6), Le(1e6), Unit("m/s^2")]
+StrainRate = Annotated[float, Ge(-1e6), Le(1e6), Unit("s^-1")]
 AngularSpeed = Annotated[float, Ge(-1e6), Le(1e6), Unit("rad/s")]
 Angle = Annotated[float, Ge(-1e6), Le(1e6), Unit("deg")]
 Density = Annotated[float, Ge(1e-3), Le(1e6), Unit("kg/m^3")]
@@ -127,6 +128,11 @@ Position = tuple[Length, Length, Length]
 Extents = tuple[PositiveLength, PositiveLength, PositiveLength]
 Velocity = tuple[Speed, Speed, Speed]
 AngularVelocity = tuple[AngularSpeed, AngularSpeed, AngularSpeed]
+VelocityGradient = tuple[
+    tuple[StrainRate, StrainRate, StrainRate],
+    tuple[StrainRate, StrainRate, StrainRate],
+    tuple[StrainRate, StrainRate, StrainRate],
+]
 Force = tuple[ForceComponent, ForceComponent, ForceComponent]
 Torque = tuple[TorqueComponent, TorqueComponent, TorqueComponent]
 Direction = tuple[Dimensionless, Dimensionless, Dimensionless]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ import numpy as np
 
 from sim.obstacles import Obstacles, find_obstacles
 from sim.settings import Refused
-from sim.spec import SimulationSpec
+from sim.spec import Pressure, SimulationSpec
 
 if TYPE_CHECKING:
     from sim.cloth.part import ClothPart, PlacedSheet
@@ -29,10 +29,13 @@ if TYPE_CHECKING:
     from sim.fluid.sheets import SheetSamples
     from sim.fluid.sources import Source
     from sim.fluid.system import Measure
+    from sim.fluid.volumes import Volume
     from sim.movement import Movement
     from sim.rigid.body import RigidState
     from sim.rigid.part import RigidPart
 
+LEAST_DEPTH = 5.0
+"""What falls is in the scene for this way under everything at least [m]: about a second."""
 COARSEST = 0.01
 """Positions in files are right to this share of the spacing of particles."""
 
@@ -46,10 +49,12 @@ class Counts:
     particles_removed_by_events: int = 0
     particles_emitted: int = 0
     particles_drained: int = 0
+    particles_fallen: int = 0
+    """Particles that have fallen so far below everything in the scene that they are out of it."""
     particles_blocked: int = 0
     """Particles that emitters would have sent into what was in the way."""
-    particles_squeezed: int = 0
-    """Particles that solids which closed in on each other left no room for."""
+    particles_held_off: int = 0
+    """Times that a particle was brought back to its side of a thin solid, or it would have passed through."""
     particles_over_limit: int = 0
     """Particles that emitters would have sent while there were as many as fluid.max_particles allows."""
     retries: int = 0
@@ -102,6 +107,8 @@ class World:
         self._cloth_state = cloth_state
         if rigid_state is not None:
             self._put_back(rigid_state)
+        self.volumes: dict[str, Volume] = {}
+        """How much there is of fluid bodies that were poured."""
         self.emission: dict[str, Any] = {}
         """What emitters had sent when this world was built."""
         self.time = self._until = 0.0
@@ -109,37 +116,30 @@ class World:
 
     def pour(self, state: FluidState, names: list[str], bodies: list[str], counts: Counts, time: float) -> FluidState:
         """`state` with the particles of the fluid `bodies` at `time` [s]; `names` numbers all bodies of the scene."""
+        from sim.coupling.room import Room
         from sim.fluid.part import pour
+        from sim.fluid.volumes import Volume
 
+        room = Room(self.obstacles, self.sheets, self._cloth_state, time)
         for source in self.sources:
             if source.name in bodies:
-                state, homeless = pour(
-                    state,
-                    source,
-                    names.index(source.name),
-                    counts.particles_started + counts.particles_emitted,
-                    self.spec.fluid,
-                    self.origin,
-                    lambda points, clearance: self._room(points, clearance, time),
-                )
-                counts.particles_without_room += homeless
-                counts.particles_started += len(source.points) - homeless
+                first = counts.particles_started + counts.particles_emitted
+                index = names.index(source.name)
+                state, found = pour(state, source, index, first, self.spec.fluid, self.origin, room)
+                counts.particles_without_room += found.number - len(found.points)
+                counts.particles_started += len(found.points)
+                self.volumes[source.name] = Volume.of(source, found)
         return state
 
-    def _room(self, points: np.ndarray, clearance: float, time: float) -> np.ndarray:
-        """Whether fluid can start at points [m], shape [n, 3], at `time` [s], `clearance` [m] off solids; shape [n]."""
-        from sim.coupling.fluid_rigid import allowed, off_samples
-        from sim.fluid.calibration import sample_depth
+    def warnings(self) -> Iterator[str]:
+        """What is there of the fluid other than was asked for, and what its particles do not resolve."""
+        if self.spec.fluid is None:
+            return
+        from sim.coupling.resolution import warnings
 
-        spacing = self.spec.fluid.spacing
-        depth = sample_depth(spacing, self.spec.fluid.support_radius)
-        free = allowed(self.obstacles, points, clearance, time)
-        free[free] = off_samples(self.obstacles, points[free], clearance, spacing, depth, time)
-        if self.sheets:
-            from sim.coupling.wet_cloth import off_sheets
-
-            free[free] = off_sheets(self.sheets, self._cloth_state, points[free], clearance)
-        return free
+        for volume in self.volumes.values():
+            yield from volume.warnings()
+        yield from warnings(self.obstacles, self.spec.fluid.spacing)
 
     def build(
         self,
@@ -163,25 +163,21 @@ class World:
             self._build_cloth(time)
         if state is None:
             return
-        from sim.coupling.fluid_rigid import boundary_samples, pivots
-        from sim.fluid.calibration import sample_depth
+        from sim.coupling.fluid_rigid import boundary_solids
         from sim.fluid.part import FluidPart, Surroundings
 
-        spacing = self.spec.fluid.spacing
-        depth = sample_depth(spacing, self.spec.fluid.support_radius)
+        fluid = self.spec.fluid
         self.fluid = FluidPart(
-            self.spec.fluid,
+            fluid,
             self.gravity,
             self.origin,
             state,
-            Surroundings(
-                self.obstacles.planes(),
-                boundary_samples(self.obstacles, spacing, depth),
-                pivots(self.obstacles),
-                self._sheet_samples(),
-            ),
+            Surroundings(boundary_solids(self.obstacles, fluid.spacing, fluid.support_radius), self._sheet_samples()),
             drop=self.drop,
             fastest=self._fastest,
+            floor=self.floor,
+            depth=self.depth,
+            probed=any(isinstance(probe, Pressure) for probe in self.spec.probes.values()),
         )
         self._aim(time)
         self.fluid.system.boundary.move()
@@ -201,13 +197,12 @@ class World:
         elif moved:
             self.fluid.system.bodies = moved[0]
 
-    def _sheet_samples(self) -> Callable[[int, float], SheetSamples] | None:
+    def _sheet_samples(self) -> Callable[[float], SheetSamples] | None:
         if not self.cloth:
             return None
         from sim.coupling.wet_cloth import sheet_samples
 
-        bodies = sum(item.motion is not None for item in self.obstacles.placed)
-        return sheet_samples(self.cloth, self.spec.fluid, self.origin, bodies + 1)
+        return sheet_samples(self.cloth, self.spec.fluid, self.origin)
 
     def _soak(self, *, alone: bool) -> WetCloth:
         from sim.coupling.wet_cloth import WetCloth
@@ -235,7 +230,7 @@ class World:
         rows = {index: moving.index(index) for index in self.obstacles.dynamic}
         surfaces = [item.solid.mesh for item in self.obstacles.dynamic.values()]
         system = self.fluid.system
-        self.floating = Floating(self.rigid, system, rows, self.origin, surfaces)
+        self.floating = Floating(self.rigid, system, rows, list(self.obstacles.dynamic), self.origin, surfaces)
         return self.floating
 
     def _put_back(self, state: RigidState) -> None:
@@ -251,7 +246,8 @@ class World:
         from sim.rigid.part import RigidPart
 
         bodies = assemble(self.spec, self.obstacles)
-        self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, self._rigid_state or RigidState())
+        state = self._rigid_state or RigidState()
+        self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, state, bottom=self.floor - self.depth)
         self._follow()
 
     def untangle(self, time: float) -> None:
@@ -336,12 +332,17 @@ class World:
         measure = replace(measure, v_max=max(measure.v_max, emitted), pace=max(measure.pace, emitted))
         return limits | self.fluid.solver.step_limits(measure, self.spec.step.cfl)
 
-    def begin_frame(self) -> None:
-        """What a run that goes on from the last frame would do first."""
-        if self.fluid:
-            self.fluid.system.begin_frame()
-        if self.wet_cloth and self.wet_cloth.begin_frame():
+    def begin_frame(self) -> int:
+        """What a run that goes on from the last frame would do first; how many particles were out of the scene."""
+        fallen = self.fluid.remove_fallen() if self.fluid else 0
+        anew = (bool(self.fluid) and self.fluid.system.begin_frame()) or fallen > 0
+        if self.wet_cloth:
+            anew = self.wet_cloth.begin_frame() or anew
+        if anew:
             self.fluid.solver.restore()
+        elif self.fluid:
+            self.fluid.system.find_solids()
+        return fallen
 
     def advance(self, dt: float, until: float) -> dict[str, float]:
         """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
@@ -361,7 +362,8 @@ class World:
             told |= self._advance_fluid(dt, until, moved)
             if wet:
                 told["cloth_held_off"] = self.wet_cloth.tightness.held_off
-            told["squeezed"], self.fluid.system.squeezed_out = self.fluid.system.squeezed_out, 0
+            boundary = self.fluid.system.boundary
+            told["held_off"], boundary.held_off = boundary.held_off, 0
         if together:
             self._follow()
         if wet and self.rigid:
@@ -408,14 +410,14 @@ class World:
     def _aim(self, time: float) -> None:
         """Say where the bodies that move are at `time` [s], which alone decides it."""
         boundary = self.fluid.system.boundary
-        if boundary.moves:
+        if boundary.shapes.moving:
             from sim.coupling.fluid_rigid import motions
 
             boundary.aim(motions(self.obstacles, self.origin, time))
 
     def measure(self) -> Measure | None:
         """Extremes, sums and error counts of the fluid; None without one."""
-        return self.fluid.measure(self.floor, self.spec.step.cfl) if self.fluid else None
+        return self.fluid.measure(self.spec.step.cfl) if self.fluid else None
 
     def next_keyframe(self, time: float) -> float:
         """The first time after `time` [s] at which the velocity of a body or pin jumps; infinite where none does."""
@@ -440,6 +442,13 @@ class World:
         heights += [wall.offset for wall in self.obstacles.walls if float(wall.normal @ self._up) > 0.999]
         return min(heights, default=0.0)
 
+    @functools.cached_property
+    def depth(self) -> float:
+        """How far under the floor what falls is out of the scene [m]: nowhere, where something may come after it."""
+        if self.obstacles.endless or not self.gravity.any():
+            return math.inf
+        return max(float(np.linalg.norm(np.ptp(self.bounds, axis=0))), LEAST_DEPTH)
+
     @property
     def drop(self) -> float:
         """How far what begins highest may fall [m]."""
@@ -460,7 +469,7 @@ class World:
     @property
     def _fastest(self) -> float:
         """The greatest speed [m/s] of fluid that comes in, or of a body at any time."""
-        speeds = [float(np.linalg.norm(inflow.velocity)) for inflow in self._inflows]
+        speeds = [inflow.speed for inflow in self._inflows]
         return max(speeds + [item.fastest for item in self.obstacles.placed], default=0.0)
 
     @property
@@ -540,7 +549,7 @@ class World:
     def _build_flow(self, counts: Counts, warn: Callable[[str], None]) -> Flow:
         from sim.coupling.fluid_rigid import allowed
         from sim.fluid.flow import Flow, Ledger
-        from sim.fluid.part import START_CLEARANCE
+        from sim.fluid.seed import START_CLEARANCE
 
         moving = replace(self.obstacles, walls=[], placed=[item for item in self.obstacles.placed if item.motion])
         return Flow(

@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from tests import rounding as variants
+
+ROUNDING = f"""run each test of verification, validation and stress that is chosen once for each of
+{", ".join(variants.VARIANTS)}, which stand for the rounding of another processor: starts displaced by 1e-6 of the
+spacing of particles, one thread, and sums in the order in which they are written; other tests are left out"""
+_shared: list[Callable[[], None]] = []
+"""What ends the fixtures that tests share under the present variant."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rounding", action="store_true", help=ROUNDING)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -18,7 +30,41 @@ def pytest_configure(config: pytest.Config) -> None:
         return
     processors = sorted(os.sched_getaffinity(0))
     if len(processors) >= int(os.environ["PYTEST_XDIST_WORKER_COUNT"]):
-        os.sched_setaffinity(0, {processors[int(worker.removeprefix("gw"))]})
+        os.sched_setaffinity(0, {processors[int(worker.removeprefix("gw")) % len(processors)]})
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if config.getoption("--rounding"):
+        rest = [item for item in items if not _simulates(item.path)]
+        config.hook.pytest_deselected(items=rest)
+        items[:] = [item for item in items if item not in rest]
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if metafunc.config.getoption("--rounding") and _simulates(Path(metafunc.module.__file__)):
+        metafunc.parametrize("rounding", variants.VARIANTS, indirect=True, scope="session")
+
+
+def _simulates(file: Path) -> bool:
+    return any(folder in file.parents for folder in variants.FOLDERS)
+
+
+def pytest_fixture_setup(fixturedef: pytest.FixtureDef, request: pytest.FixtureRequest) -> None:
+    if fixturedef.scope == "module":
+        _shared.append(lambda: fixturedef.finish(request))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def rounding(request: pytest.FixtureRequest) -> Iterator[str | None]:
+    """The variant of `--rounding`; when the next one comes, what tests of a module share is made anew."""
+    variant = getattr(request, "param", None)
+    if variant is None:
+        yield None
+        return
+    with variants.perturbed(variant):
+        yield variant
+    while _shared:
+        _shared.pop()()
 
 
 @pytest.fixture

@@ -3,7 +3,12 @@
 In a film of even thickness that nothing stirs the pressure obeys Laplace's equation (Reynolds 1886), between the
 pressures along its rim; that of a half-plane is the mean of those, each by one over the square of its distance, and so
 is taken everywhere. Up and down in a film pressure changes by the weight of the fluid. It acts on bodies that move
-only, with the pressures of the last step; what lies dry all around has none under it.
+only; what lies dry all around has none under it. The pressures at rims are those that are looked for: they stand in the
+equations of `sim.fluid.reaction`, with the opposite of what they do to bodies. A body that is lifted off the ground so
+draws in fluid from its rim, and can come up no faster than that lets it.
+
+Where one or two layers of particles are in a gap, they press on what encloses them by how well they fit in, and not by
+the pressure around (`sim.fluid.boundary.face_sums.wide`): there, too, the film acts in their place.
 """
 
 from __future__ import annotations
@@ -16,9 +21,10 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from sim.arrays import integer_array, numpy_real, vec3, vec4
-from sim.coupling.film_sums import place, press
-from sim.fluid.calibration import lack
-from sim.fluid.moving import MOTION
+from sim.coupling.film_sums import give_way_at_rims, place, press, press_rims
+from sim.fluid.boundary.face_sums import WIDE
+from sim.fluid.boundary.faces import Faces
+from sim.fluid.boundary.shapes import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance import cover
 from sim.geometry.thinning import first_come
@@ -28,8 +34,6 @@ APART = 0.8
 """Elements of a surface stand this many spacings apart, or on faces that are turned by half of it in radians."""
 BESIDE = 1.6
 """Elements that are so many spacings apart may share the rim of a film."""
-REACH = 1.5
-"""Films are looked for where a body comes so many spacings near a plane, or twice as many near a body."""
 
 
 def elements(mesh: trimesh.Trimesh, spacing: float) -> tuple[np.ndarray, np.ndarray]:
@@ -50,7 +54,7 @@ def elements(mesh: trimesh.Trimesh, spacing: float) -> tuple[np.ndarray, np.ndar
 
 
 class Film:
-    """The films about the bodies that are the `rows` of those that move in the boundary of `system`.
+    """The films about the bodies that are the `solids` in the boundary of `system`.
 
     surfaces: of these bodies as placed; pivots: their own origins [m], as placed, shape [3] each.
     """
@@ -58,7 +62,7 @@ class Film:
     def __init__(
         self,
         system: FluidSystem,
-        rows: Sequence[int],
+        solids: Sequence[int],
         surfaces: Sequence[trimesh.Trimesh],
         pivots: Sequence[np.ndarray],
     ):
@@ -70,11 +74,11 @@ class Film:
         sizes = [len(points) for points, _ in parts]
         body = np.repeat(np.arange(len(parts)), sizes)
         self.count = len(arms)
-        self.reach = REACH * spacing
+        self.reach = WIDE * spacing
         """By how much [m] the boxes around bodies have to be enlarged to overlap where there is a film."""
         self._arms, self._areas = _vectors(arms), _vectors(areas)
         self._body = integer_array(body)
-        self._number = integer_array(np.asarray(rows) + 1)
+        self._own = integer_array(np.repeat(np.asarray(solids), sizes))
         self._ends = integer_array(np.concatenate(([0], np.cumsum(sizes))))
         self._beside = integer_array(_beside(arms, body, BESIDE * spacing))
         self._here, self._ahead, self._beyond, self._normals, self._found, self._forces = (
@@ -82,14 +86,19 @@ class Film:
         )
         self._motions = ti.ndarray(ti.f64, (len(parts), MOTION))
         self._wrench = ti.ndarray(ti.f64, (len(parts), 6))
-        self._lacking = lack(spacing, system.h).density
-        self._near, self._far, self._standing, self._moving = (NeighborList(48) for _ in range(4))
+        self._by_rim, self._at_rim = ti.ndarray(ti.f64, (self.count, 6)), ti.ndarray(ti.f64, (self.count, 1))
+        self.active = False
+        self.steady = np.zeros((len(parts), 6))
+        """Wrenches but for the pressures at rims: force [N] and torque about their own origins [N m]."""
+        self._near, self._far = NeighborList(48), NeighborList(48)
+        boundary = system.boundary
+        self._others = Faces(boundary.shapes, spacing, system.h, WIDE * spacing)
 
-    def wrenches(self, motions: np.ndarray) -> np.ndarray:
-        """Force [N] and torque about their own origins [N m] on bodies that have moved by `motions`, shape [bodies, 6];
-        particles, their pressures and samples are where they are now."""
+    def find(self, motions: np.ndarray) -> None:
+        """Look for films about bodies that have moved by `motions`; particles and solids are where they are now."""
+        self.active = True
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, others = system.particles, self._others
         self._motions.from_numpy(np.ascontiguousarray(motions))
         place(
             self._arms,
@@ -104,20 +113,18 @@ class Film:
         )
         self._near.build(self._ahead, self.count, system.grid, particles.position, same=False)
         self._far.build(self._beyond, self.count, system.grid, particles.position, same=False)
-        if boundary.standing:
-            self._standing.build(self._ahead, self.count, boundary.grid, boundary.samples, same=False)
-        moving = boundary.moving
-        self._moving.build(self._ahead, self.count, moving.grid, moving.sorted, same=False)
+        others.find(self._here, self.count, self._own)
+        others.place(self._here, self._here, self.count, 0.0)
         press(
             system.h,
+            system.spec.spacing,
             system.mass,
             system.spec.rest_density,
-            self._lacking,
             vec3(*system.gravity),
             particles.position,
-            particles.velocity,
+            self._own,
+            system.boundary.shapes.slim,
             self._body,
-            self._number,
             self._ends,
             self._beside,
             self._here,
@@ -128,24 +135,59 @@ class Film:
             self._near.index,
             self._far.size,
             self._far.index,
-            boundary.samples,
-            boundary.velocity,
-            boundary.standing > 0,
-            self._standing.size,
-            self._standing.index,
-            moving.first,
-            moving.grid.order,
-            self._moving.size,
-            self._moving.index,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            others.begin,
+            others.size,
+            others.face,
             self._found,
             self._forces,
             self._motions,
+            self._by_rim,
             self._wrench,
         )
-        return self._wrench.to_numpy()
+        self.steady = self._wrench.to_numpy()
+
+    def forget(self) -> None:
+        """No body is near anything."""
+        self.active = False
+        self.steady = np.zeros_like(self.steady)
+
+    def pressed(self, pressure: ti.Ndarray, wrench: ti.Ndarray, *, found: bool) -> None:
+        """Write the wrenches by pressures at rims as q, in w, or where they are `found` in x."""
+        system = self.system
+        press_rims(
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            system.particles.position,
+            pressure,
+            found,
+            self._ends,
+            self._beyond,
+            self._far.size,
+            self._far.index,
+            self._found,
+            self._by_rim,
+            self._at_rim,
+            wrench,
+        )
+
+    def give_way(self, answer: ti.Ndarray) -> None:
+        """Add to push.w what accelerations of bodies, shape [bodies, 6], do to particles at rims."""
+        system = self.system
+        give_way_at_rims(
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            system.particles.position,
+            self._body,
+            self._beyond,
+            self._far.size,
+            self._far.index,
+            self._found,
+            self._by_rim,
+            answer,
+            system.particles.push,
+        )
 
 
 def _beside(points: np.ndarray, body: np.ndarray, radius: float) -> np.ndarray:

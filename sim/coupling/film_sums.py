@@ -3,15 +3,13 @@
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.fluid.boundary.face_sums import facing, wide
 from sim.fluid.kernel import cubic
-from sim.fluid.walls import wall_share
 
-FULL, WET = 0.25, 0.5
-"""Shares of the density, half a spacing off a surface, up to which there is none but a film, and from which there are
-particles."""
-CLOSE, APART = 0.7, 0.3
-"""In what a solid adds to the density of the layer next to it: from where another is so near that there is a film, and
-under which there is none."""
+WET, FULL = 0.25, 0.5
+"""Shares of the density, before a surface, from which on it counts as wet, and as covered with particles."""
+CLOSED, ENTERED = 1.0, 1.15
+"""Spacings between two solids up to which there is no room for particles, and from which there is."""
 
 
 @ti.kernel
@@ -46,14 +44,14 @@ def place(
 @ti.kernel
 def press(
     h: real,
+    spacing: real,
     mass: real,
     rest_density: real,
-    lacking: real,
     gravity: vec3,
     position: Vec4Array,
-    velocity: Vec4Array,
+    own: IntArray,
+    slim: IntArray,
     body: IntArray,
-    number: IntArray,
     ends: IntArray,
     beside: IntTable,
     here: Vec4Array,
@@ -64,56 +62,44 @@ def press(
     ahead_index: IntTable,
     beyond_size: IntArray,
     beyond_index: IntTable,
-    samples: Vec4Array,
-    sample_velocity: Vec4Array,
-    has_standing: ti.template(),
-    standing_size: IntArray,
-    standing_index: IntTable,
-    moving_first: ti.i32,
-    moving_order: IntArray,
-    moving_size: IntArray,
-    moving_index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
     found: Vec4Array,
     forces: Vec4Array,
     motions: DoubleTable,
+    by_rim: DoubleTable,
     wrench: DoubleTable,
 ):
-    """Wrenches on bodies by films.
+    """Wrenches on bodies by films, but for the pressures at their rims, and what those do.
 
-    found: of each element the share of it that a film covers, the pressure of particles `beyond` [Pa], how wet it is
-    there, and whether it is on the rim of a film. The first layer next to samples has not the fluid's pressure: it is
-    what balances the slope of their share of the density.
+    found: of each element the share of it that a film covers, by how much pressure is less `beyond` than where the
+    particles there are [Pa], how wet it is there, and whether it is on the rim of a film. The first layer next to
+    solids has not the fluid's pressure: it is what balances the slope of their share of the density. by_rim: the wrench
+    over the pressure there [m^2, m^3], for each element of a rim.
     """
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h**3
     for e in range(ends[ends.shape[0] - 1]):
-        y = ahead[e].xyz
-        cover = ti.cast(0.0, real)
-        for k in range(ahead_size[e]):
-            i = ahead_index[e, k]
-            cover += norm * mass / velocity[i].w * cubic((y - position[i].xyz).norm() * inverse_h)
         wet, pressure = ti.cast(0.0, real), ti.cast(0.0, real)
         for k in range(beyond_size[e]):
             i = beyond_index[e, k]
             d = beyond[e].xyz - position[i].xyz
-            one = norm * mass / velocity[i].w * cubic(d.norm() * inverse_h)
+            one = norm * mass / rest_density * cubic(d.norm() * inverse_h)
             wet += one
-            pressure += one * rest_density * (rest_density * position[i].w + gravity.dot(d))
-        others = wall_share(y, wall_count, wall_fit, planes, inverse_h).w
-        if ti.static(has_standing):
-            for k in range(standing_size[e]):
-                b = samples[standing_index[e, k]]
-                others += norm * b.w * cubic((y - b.xyz).norm() * inverse_h)
-        for k in range(moving_size[e]):
-            s = moving_first + moving_order[moving_index[e, k]]
-            if ti.cast(sample_velocity[s].w, ti.i32) != number[body[e]]:
-                others += norm * samples[s].w * cubic((y - samples[s].xyz).norm() * inverse_h)
-        closed = ti.math.clamp((others / lacking - APART) / (CLOSE - APART), 0.0, 1.0)
-        film = closed * ti.math.clamp((WET - cover) / (WET - FULL), 0.0, 1.0)
-        found[e] = vec4(film, ti.max(pressure, 0.0) / ti.max(wet, FULL), ti.min(wet / FULL, 1.0), 0.0)
+            pressure += one * rest_density * gravity.dot(d)
+        cover = ti.cast(0.0, real)
+        for k in range(ahead_size[e]):
+            i = ahead_index[e, k]
+            cover += norm * mass / rest_density * cubic((ahead[e].xyz - position[i].xyz).norm() * inverse_h)
+        covered = ti.math.clamp((cover - WET) / (FULL - WET), 0.0, 1.0)
+        film = ti.cast(0.0, real)
+        for k in range(solids_near[e]):
+            other = face[begin[e] + k]
+            if facing(normals[e].xyz / here[e].w, other.xyz):
+                closed = ti.math.clamp((ENTERED - other.w / spacing) / (ENTERED - CLOSED), 0.0, 1.0)
+                film = ti.max(film, (1.0 - wide(other.w, spacing, slim[own[e]])) * ti.max(closed, covered))
+        found[e] = vec4(film, pressure / ti.max(wet, WET), wet, 0.0)
     for e in range(beside.shape[0]):
         if found[e].x < 0.5:
             for k in range(beside.shape[1]):
@@ -128,9 +114,23 @@ def press(
                     d = here[e].xyz - beyond[r].xyz
                     near = here[r].w / ti.max(d.dot(d), 1e-6 * h * h)
                     weight += near
-                    total += near * (found[r].y + found[r].z * rest_density * gravity.dot(d))
+                    total += near * (found[r].y + ti.min(found[r].z / WET, 1.0) * rest_density * gravity.dot(d))
             if weight > 0.0:
-                forces[e] = vec4(-found[e].x * ti.max(total / weight, 0.0) * normals[e].xyz, 0.0)
+                forces[e] = vec4(-found[e].x * total / weight * normals[e].xyz, found[e].x / weight)
+    for r in range(beside.shape[0]):
+        force, torque = ti.Vector([0.0] * 3, dt=ti.f64), ti.Vector([0.0] * 3, dt=ti.f64)
+        if found[r].w > 0.0:
+            centre = ti.Vector([motions[body[r], 9 + axis] for axis in range(3)])
+            for e in range(ends[body[r]], ends[body[r] + 1]):
+                if forces[e].w > 0.0:
+                    d = here[e].xyz - beyond[r].xyz
+                    near = here[r].w / ti.max(d.dot(d), 1e-6 * h * h)
+                    one = ti.cast(-forces[e].w * near * normals[e].xyz, ti.f64)
+                    force += one
+                    torque += (ti.cast(here[e].xyz, ti.f64) - centre).cross(one)
+        for axis in ti.static(range(3)):
+            by_rim[r, axis] = force[axis]
+            by_rim[r, 3 + axis] = torque[axis]
     for b in range(wrench.shape[0]):
         force, torque = ti.Vector([0.0] * 3, dt=ti.f64), ti.Vector([0.0] * 3, dt=ti.f64)
         centre = ti.Vector([motions[b, 9 + axis] for axis in range(3)])
@@ -141,3 +141,75 @@ def press(
         for axis in ti.static(range(3)):
             wrench[b, axis] = force[axis]
             wrench[b, 3 + axis] = torque[axis]
+
+
+@ti.func
+def share_of(r: ti.i32, i: ti.i32, h: real, volume: real, position: Vec4Array, beyond: Vec4Array) -> real:
+    """Of a particle in the pressure before an element of a rim, but for how wet it is there."""
+    inverse_h = 1.0 / h
+    weight = cubic((beyond[r].xyz - position[i].xyz).norm() * inverse_h)
+    return 8.0 / ti.math.pi * inverse_h**3 * volume * weight
+
+
+@ti.kernel
+def press_rims(
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    pressure: Vec4Array,
+    is_found: ti.template(),
+    ends: IntArray,
+    beyond: Vec4Array,
+    beyond_size: IntArray,
+    beyond_index: IntTable,
+    found: Vec4Array,
+    by_rim: DoubleTable,
+    at_rim: DoubleTable,
+    wrench: DoubleTable,
+):
+    """Wrenches by the pressures at rims as q, which are in w, or where they are found already in x."""
+    for r in range(at_rim.shape[0]):
+        total = ti.cast(0.0, ti.f64)
+        if found[r].w > 0.0:
+            for k in range(beyond_size[r]):
+                i = beyond_index[r, k]
+                q = pressure[i].x if ti.static(is_found) else pressure[i].w
+                total += share_of(r, i, h, mass / rest_density, position, beyond) * q
+            total *= rest_density * rest_density / ti.max(found[r].z, WET)
+        at_rim[r, 0] = total
+    for b in range(wrench.shape[0]):
+        for axis in range(6):
+            total = ti.cast(0.0, ti.f64)
+            for r in range(ends[b], ends[b + 1]):
+                total += by_rim[r, axis] * at_rim[r, 0]
+            wrench[b, axis] = total
+
+
+@ti.kernel
+def give_way_at_rims(
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    body: IntArray,
+    beyond: Vec4Array,
+    beyond_size: IntArray,
+    beyond_index: IntTable,
+    found: Vec4Array,
+    by_rim: DoubleTable,
+    answer: DoubleTable,
+    push: Vec4Array,
+):
+    """Add to push.w by how much accelerations of bodies, which widen films, lower the second derivative of the
+    densities at their rims [kg/(m^3 s^2)]: the fluid that is to fill them comes from there."""
+    ti.loop_config(serialize=True)
+    for r in range(by_rim.shape[0]):
+        if found[r].w > 0.0:
+            widens = ti.cast(0.0, ti.f64)
+            for axis in range(6):
+                widens += by_rim[r, axis] * answer[body[r], axis]
+            widens *= rest_density * rest_density / (mass * ti.max(found[r].z, WET))
+            for k in range(beyond_size[r]):
+                i = beyond_index[r, k]
+                push[i].w += share_of(r, i, h, mass / rest_density, position, beyond) * ti.cast(widens, real)

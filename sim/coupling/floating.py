@@ -27,9 +27,9 @@ from sim.rigid.part import RigidPart
 class Floating:
     """The bodies of `rigid` that obey forces, as `system.bodies`.
 
-    rows: of these bodies, by their index, among all that move in the boundary; origin of the system's coordinates [m];
-    surfaces of the bodies, as they are placed.
-    Wrenches and answers, as `sim.fluid.reaction` has them, are of shape [bodies, 6].
+    rows: of these bodies, by their index, among all that move in the boundary; solids: their places there; origin of
+    the system's coordinates [m]; surfaces of the bodies, as they are placed. Wrenches and answers, as
+    `sim.fluid.reaction` has them, are of shape [bodies, 6].
     """
 
     def __init__(
@@ -37,6 +37,7 @@ class Floating:
         rigid: RigidPart,
         system: FluidSystem,
         rows: Mapping[int, int],
+        solids: Sequence[int],
         origin: np.ndarray,
         surfaces: Sequence[trimesh.Trimesh],
     ):
@@ -48,8 +49,9 @@ class Floating:
             lightness(mesh, body.pivot, body.mass.mass, body.mass.inertia, layer)
             for mesh, body in zip(surfaces, bodies, strict=True)
         )
-        self.reaction = Reaction(system, list(rows.values()))
-        self.film = Film(system, list(rows.values()), surfaces, [body.pivot for body in bodies])
+        self.reaction = Reaction(system, solids)
+        self.film = Film(system, solids, surfaces, [body.pivot for body in bodies])
+        self.reaction.film = self.film
         self._bodies, self._rows = np.array(list(rows)), np.array(list(rows.values()))
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
@@ -65,11 +67,12 @@ class Floating:
         self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum) + self._films()
+        self._steady = self.reaction.forces(momentum) + self.film.steady
 
     def foresee(self, dt: float) -> None:
         last = self.pushed
         self._push(self._steady + last)
+        self._lead()
         self._here = self._local(self.rigid.foresee(dt, self._movements))
         self._push(last)
         self._weigh(self._here)
@@ -82,6 +85,7 @@ class Floating:
 
     def list(self) -> None:
         self.reaction.list()
+        self._find_films()
 
     def expect(self, dt: float) -> None:
         self.reaction.expect(dt, self._expected)
@@ -118,6 +122,7 @@ class Floating:
 
     def settle(self, dt: float) -> dict[str, float]:
         self._push(self._steady + self._found)
+        self._lead()
         self._ahead = False
         return self._advance(dt, self._found)
 
@@ -128,7 +133,8 @@ class Floating:
         return self._advance(dt, whole)
 
     def strike(self, dt: float, momentum: Momentum) -> None:
-        self._push(self.reaction.forces(momentum) + self._films())
+        self._find_films()
+        self._push(self.reaction.forces(momentum) + self.film.steady + self.reaction.films())
         self._kick(dt / 2, self.pushed)
 
     def nudge(self, dt: float) -> None:
@@ -160,11 +166,16 @@ class Floating:
     def bytes(self) -> int:
         return self.reaction.bytes
 
-    def _films(self) -> np.ndarray:
-        """Wrenches of the films between solids that are near each other."""
-        if not self.system.count or not len(self.rigid.near(self.film.reach)):
-            return np.zeros_like(self._steady)
-        return self.film.wrenches(self._here)
+    def _find_films(self) -> None:
+        """Look for films where solids are near each other."""
+        if self.system.count and len(self.rigid.near(self.film.reach)):
+            self.film.find(self._here)
+        else:
+            self.film.forget()
+
+    def _lead(self) -> None:
+        """Let bodies that the fluid pushes go as particles do: what they do to it and how far they go is then one."""
+        self.rigid.led[self._bodies] = self.rigid.fluid_force[self._bodies].any(axis=1)
 
     def _push(self, wrench: np.ndarray) -> None:
         self.rigid.fluid_force[self._bodies] = wrench[:, :3]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from sim.coupling.fluid_rigid import allowed
 from sim.fluid.emitters import Outlet
-from sim.fluid.part import START_CLEARANCE
+from sim.fluid.seed import START_CLEARANCE
 from sim.obstacles import Obstacles
 from sim.settings import Refused
 

@@ -32,15 +32,13 @@ from sim.fluid.system import FluidSystem
 from sim.geometry.distance import MeshDistance
 
 
-def sheet_samples(
-    cloth: ClothPart, fluid: Fluid, origin: np.ndarray, body: int
-) -> Callable[[int, float], SheetSamples]:
-    """What makes samples of the cloth where it is, behind so many others and listed within a radius [m]."""
+def sheet_samples(cloth: ClothPart, fluid: Fluid, origin: np.ndarray) -> Callable[[float], SheetSamples]:
+    """What makes samples of the cloth where it is, listed within a radius [m]."""
 
-    def make(first: int, radius: float) -> SheetSamples:
+    def make(radius: float) -> SheetSamples:
         mesh = cloth.mesh
         pattern = Pattern.of(mesh.triangles, _cuts(cloth, fluid.spacing))
-        samples = SheetSamples(first, pattern, mesh.count, fluid.spacing, fluid.support_radius, radius, origin, body)
+        samples = SheetSamples(pattern, mesh.count, fluid.spacing, fluid.support_radius, radius, origin)
         samples.place, samples.speed = mesh.points.position, mesh.points.velocity
         return samples
 
@@ -78,7 +76,7 @@ class WetCloth:
         self,
         cloth: ClothPart,
         system: FluidSystem,
-        make: Callable[[int, float], SheetSamples],
+        make: Callable[[float], SheetSamples],
         origin: np.ndarray,
         solids: Callable[[], np.ndarray | None],
         *,
@@ -106,7 +104,7 @@ class WetCloth:
         sheets = boundary.sheets
         if np.array_equal(_cuts(self.cloth, self.system.spec.spacing), sheets.pattern.cuts):
             return False
-        boundary.attach(self._make(sheets.first, sheets.grid.radius))
+        boundary.attach(self._make(sheets.grid.radius))
         boundary.move()
         return True
 

@@ -35,7 +35,7 @@ def load_forces(system: FluidSystem) -> list[Force]:
         from sim.fluid.tension import Tension
 
         forces.append(Tension(system))
-    if system.spec.adhesion > 0 and (system.boundary.count > 0 or system.walls.count > 0):
+    if system.spec.adhesion > 0 and (system.boundary.sampled > 0 or system.boundary.shapes.count > 0):
         from sim.fluid.adhesion import Adhesion
 
         forces.append(Adhesion(system))

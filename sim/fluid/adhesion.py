@@ -1,7 +1,7 @@
 """Adhesion of the fluid to solids (Akinci, Akinci & Teschner 2013).
 
 a_i = -beta sum_b V_b A(r) x_ib / r,    A(r) = (-4 r^2 / h^2 + 6 r / h - 2)^(1/4) from h/2 to h             eq. 6, 7
-V_b the volume of a boundary sample; a plane wall is a half-space full of them, at distance y from whose surface
+V_b the volume of a boundary sample; a solid is a half-space full of them, at distance y from whose surface
 a = -beta G(y) n,    G(y) = pi int_max(y, h/2)^h A(r) (r^2 - y^2) dr.
 beta follows from the work per area that it takes to part fluid of density rho0 from a flat surface,
 W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = sigma (1 + cos theta) (Young, Dupre).
@@ -10,7 +10,7 @@ W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = s
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
 from sim.fluid.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
 from sim.fluid.system import FluidSystem
 
@@ -42,35 +42,36 @@ NEAR, FAR = _fit()
 
 
 class Adhesion:
-    """The force on the particles of a system; `samples` and `walls` are beta [m/s^2 over m^3] against either."""
+    """The force on the particles of a system; `samples` and `solids` are beta [m/s^2 over m^3] against either."""
 
     def __init__(self, system: FluidSystem):
         self.system = system
-        self.samples, self.walls = adhesion_strengths(system)
+        self.samples, self.solids = adhesion_strengths(system)
 
     def accelerate(self) -> None:
         """Add to the accelerations; positions and neighbours are given."""
         system = self.system
-        boundary, walls = system.boundary, system.walls
+        boundary = system.boundary
         _accelerate(
             system.count,
             system.h,
             self.samples,
-            self.walls,
+            self.solids,
             system.particles.position,
             system.particles.acceleration,
-            boundary.count > 0,
+            boundary.sampled > 0,
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
-            walls.count,
-            walls.setback,
-            walls.planes,
+            boundary.faces.begin,
+            boundary.faces.size,
+            boundary.faces.face,
+            boundary.faces.weight,
         )
 
 
 def adhesion_strengths(system: FluidSystem) -> tuple[float, float]:
-    """beta [m/s^2 over m^3] against boundary samples, one on each square of the spacing, and against walls."""
+    """beta [m/s^2 over m^3] against samples of sheets, one on each square of the spacing, and against solids."""
     spec, h = system.spec, system.h
     spacing, wanted = spec.spacing, spec.adhesion / spec.rest_density
     depth = SAMPLE_DEPTH * spacing / h
@@ -100,33 +101,39 @@ def wall_adhesion(q: real) -> real:
     return ti.select(y < 0.5, NEAR[0] * y * y + NEAR[1], far * (1.0 - y) * (1.0 - y))
 
 
+@ti.func
+def face_adhesion(distance: real, strength: real, h: real) -> real:
+    """Acceleration towards a half-space at this distance [m]; strength: beta [m/s^2 over m^3]."""
+    return strength * h * h * h * wall_adhesion(distance / h)
+
+
 @ti.kernel
 def _accelerate(
     count: ti.i32,
     h: real,
     sample_strength: real,
-    wall_strength: real,
+    solid_strength: real,
     position: Vec4Array,
     acceleration: Vec4Array,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    wall_count: ti.i32,
-    wall_setback: real,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
 ):
     inverse_h = 1.0 / h
     for i in range(count):
         x = position[i].xyz
         a = vec3(0.0)
-        if ti.static(has_boundary):
+        if ti.static(has_samples):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
                 r = ti.max(d.norm(), 1e-6 * h)
                 a -= sample_strength * b.w * adhesion(r * inverse_h) / r * d
-        for k in range(wall_count):
-            distance = planes[k].xyz.dot(x) - planes[k].w - wall_setback
-            a -= wall_strength * h * h * h * wall_adhesion(distance * inverse_h) * planes[k].xyz
+        for e in range(begin[i], begin[i] + solids_near[i]):
+            a -= face_weight[e] * face_adhesion(face[e].w, solid_strength, h) * face[e].xyz
         acceleration[i].xyz += a

@@ -87,6 +87,22 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
     return Wall(low * h, missing.density / halfspace_volume_host(low), overlap, along)
 
 
+def curvature_shift(spacing: float, h: float) -> tuple[float, float]:
+    """By how much further a curved surface seems to be, over its mean curvature k [m^2], and the spacing [m].
+
+    Between the tangent plane and a surface that bulges lies the depth k x^2 / 2, which the share of a half-space at
+    distance s, V, lacks: k int W x^2 dA / 2 in all. The density next to the surface lacks the same part of the
+    lattice's lack u, as if it were further by that over |u'|. Beyond a radius of a spacing the surface counts as that
+    of one.
+    """
+    s = spacing / 2
+    x = (np.arange(4000) + 0.5) / 4000 * h
+    moment = float((cubic_host(np.hypot(s, x), h) * 2 * np.pi * x**3).sum()) * h / 4000
+    missing = lack(spacing, h)
+    lacking = moment / (2 * float(halfspace_volume_host(s / h)))
+    return lacking * missing.density / (2 * missing.force), spacing
+
+
 def sample_depth(spacing: float, h: float) -> float:
     """How far samples lie below the surface that the fluid is to meet [m]."""
     return SAMPLE_DEPTH * spacing + DEEPER * max(0.0, h - 2.0 * spacing)

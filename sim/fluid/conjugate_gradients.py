@@ -16,12 +16,12 @@ from dataclasses import dataclass
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces import pressure_sum
 from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import span
 from sim.fluid.system import FluidSystem
-from sim.fluid.walls import along_walls
 from sim.neighbors import padded
 
 FIRST = 0.8
@@ -127,9 +127,7 @@ class ConjugateGradients:
             particles.source,
             system.neighbors.size,
             system.neighbors.index,
-            system.walls.count,
-            system.walls.fit,
-            system.walls.planes,
+            *system.boundary.faces.lists,
             self._sums,
         )
         return mean, worst
@@ -255,9 +253,12 @@ def _iterate(
     source: RealArray,
     size: IntArray,
     index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     """One iteration; returns the mean error [kg/m^3] of the pressures it arrives at, and the worst."""
@@ -277,7 +278,7 @@ def _iterate(
             a = pressure_sum(i, position, size, index, inverse_h)
             a = strength * a - position[i].w * solid[i].xyz
             if solid[i].w > 0.0:
-                a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
+                a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
             push[i].xyz = a
     if ti.static(part != PUSH):
         for row in range(rows):

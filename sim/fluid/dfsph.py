@@ -28,9 +28,10 @@ class Dfsph(Iisph):
         if solution.iterations:
             if self.system.bodies:
                 self.system.bodies.nudge(dt)
+                self.system.boundary.place(particles.position, particles.velocity, self.system.count, 0.0)
             self.system.lead()
             self.examine(dt)
-            if self.system.boundary.count:
+            if self.system.remembers:
                 _remember(self.system.count, particles.search, particles.pressed)
         told["divergence_iterations"] = solution.iterations
         told["capped"] += solution.capped

@@ -2,66 +2,68 @@
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
-from sim.fluid.friction import sample_friction
-from sim.fluid.reaction_sums import gather, keep, vector, wrench_of
+from sim.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3
+from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.friction import face_friction
+from sim.fluid.reaction_sums import PARTS, gather, keep, part_of, vector, wrench_of
 
 RESIDUAL, SEARCH, IMAGE, CHANGE, INVERSE, CENTRE, MASS, INERTIA, COLUMNS = 0, 6, 12, 18, 24, 60, 63, 64, 73
 """Where the numbers of a body begin in its row: vectors of a velocity and an angular velocity, the preconditioner by
 rows, centre of mass [m], mass and inertia [m^2] by rows over the mass of a particle."""
+AS_THEY_MOVE, SEARCHES, ALONE = range(3)
 
 
-@ti.kernel
-def spread(body_of: IntArray, samples: Vec4Array, bodies: DoubleTable, sample_search: Vec4Array):
-    """The search of bodies where their samples are."""
-    for s in range(body_of.shape[0]):
-        b = body_of[s]
-        if b >= 0:
-            arm = samples[s].xyz - vector(bodies, b, CENTRE)
-            sample_search[s] = vec4(vector(bodies, b, SEARCH) + vector(bodies, b, SEARCH + 3).cross(arm), 0.0)
+@ti.func
+def search_at(bodies: DoubleTable, body: ti.i32, x: vec3) -> vec3:
+    """Where the search of a body takes its motion at x."""
+    arm = x - vector(bodies, body, CENTRE)
+    return vector(bodies, body, SEARCH) + vector(bodies, body, SEARCH + 3).cross(arm)
 
 
 @ti.kernel
 def drag(
+    which: ti.template(),
     ends: IntArray,
-    chunks: IntTable,
-    h: real,
-    rest_density: real,
-    sample_viscosity: real,
-    nearest_sample: real,
+    order: IntArray,
+    inverse_h: real,
+    spacing: real,
+    strength: real,
     position: Vec4Array,
-    density: Vec4Array,
-    field: Vec4Array,
-    alone: ti.template(),
-    near_size: IntArray,
-    near_index: IntTable,
-    first: ti.i32,
-    samples: Vec4Array,
-    sample_field: Vec4Array,
+    velocity: Vec4Array,
+    search: Vec4Array,
+    particle: IntArray,
+    solid: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    pose: DoubleTable,
     with_mass: ti.template(),
     bodies: DoubleTable,
     partial: DoubleTable,
 ):
-    """As image the mass times the search of bodies, and what the friction of pairs adds where particles move by `field`
-    and samples by `sample_field`; densities are in w."""
-    inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h**5 * rest_density * sample_viscosity
-    for c in range(chunks.shape[0]):
+    """As image the mass times the search of bodies, and what the friction of pairs adds: where all move as they do,
+    along the searches of all, or along those of the bodies alone; densities are in search.w. strength: rest density
+    times viscosity and step."""
+    for k in range(partial.shape[0]):
         total = wrench_of(vec3(0.0), vec3(0.0))
-        centre = vector(bodies, chunks[c, 2], CENTRE)
-        for s in range(chunks[c, 0], chunks[c, 1]):
-            b = samples[s]
-            for k in range(near_size[s - first]):
-                i = near_index[s - first, k]
-                x = position[i].xyz
-                moved = -sample_field[s].xyz
-                if ti.static(not alone):
-                    moved += field[i].xyz
-                pull = norm * b.w / density[i].w * sample_friction(x - b.xyz, moved, nearest_sample, inverse_h)
-                total += wrench_of(x - centre, pull)
-        keep(partial, c, 0, total)
+        body = k // PARTS
+        centre = vector(bodies, body, CENTRE)
+        within = part_of(k, ends)
+        for entry in range(within[0], within[1]):
+            e = order[entry]
+            i = particle[e]
+            x = position[i].xyz
+            moved = vec3(0.0)
+            if ti.static(which == AS_THEY_MOVE):
+                moved = velocity[i].xyz - surface_velocity(solid[e], x, pose)
+            else:
+                moved = -search_at(bodies, body, x)
+            if ti.static(which == SEARCHES):
+                moved += search[i].xyz
+            pull = strength * face_weight[e] / search[i].w * face_friction(face[e], moved, spacing, inverse_h)
+            total += wrench_of(x - centre, pull)
+        keep(partial, k, 0, total)
     for b in range(bodies.shape[0]):
-        image = gather(partial, ends[b], ends[b + 1])
+        image = gather(partial, b)
         if ti.static(with_mass):
             for row in ti.static(range(3)):
                 image[row] += bodies[b, MASS] * bodies[b, SEARCH + row]

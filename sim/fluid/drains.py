@@ -57,11 +57,7 @@ class Drains:
         for sink in self.sinks:
             if sink.start <= time < sink.stop:
                 gone[self._inside(sink.solid, particles)] = True
-        number = int(gone.sum())
-        if number:
-            order = np.argsort(gone, kind="stable").astype(np.int32)
-            particles.reorder(order, particles.count - number)
-        return number
+        return particles.leave_out(gone)
 
     def _inside(self, solid: Solid, particles: Particles) -> np.ndarray:
         """Indices of the particles in a solid: its distance is asked for those in its box only."""

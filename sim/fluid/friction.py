@@ -1,4 +1,4 @@
-"""Friction of the fluid along solids at rest that it sticks to (no slip).
+"""Friction of the fluid along solids that it sticks to (no slip).
 
 A plane wall continues the fluid with the velocity that vanishes on its surface, at distance y' beyond it -(y'/y) v
 for a particle at distance y with velocity v (Morris, Fox & Zhu 1997, sec. 3.5). The sum over pairs of
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Vec4Array, mat3, real, vec3
+from sim.arrays import mat3, real, vec3, vec4
 from sim.fluid.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
@@ -69,32 +69,18 @@ def wall_grip(distance: real, spacing: real, inverse_h: real) -> ti.types.vector
 
 
 @ti.func
-def wall_friction(
-    x: vec3, v: vec3, count: ti.i32, planes: Vec4Array, setback: real, spacing: real, inverse_h: real
-) -> vec3:
-    """sum over the walls of T v_t + N v_n [1/(m s)]: the acceleration is this times the viscosity.
-
-    planes, setback: as `sim.fluid.walls.Walls` holds them, which moves them for the sake of the pressure.
-    """
-    a = vec3(0.0)
-    for k in range(count):
-        n = planes[k].xyz
-        grip = wall_grip(n.dot(x) - planes[k].w - setback, spacing, inverse_h)
-        a += grip.x * v + (grip.y - grip.x) * n.dot(v) * n
-    return a
+def face_friction(face: vec4, v: vec3, spacing: real, inverse_h: real) -> vec3:
+    """T v_t + N v_n [1/(m s)] beside one half-space, with unit normal and distance [m] in `face`, that fluid passes at
+    the velocity v: the acceleration is this times the viscosity."""
+    grip = wall_grip(face.w, spacing, inverse_h)
+    return grip.x * v + (grip.y - grip.x) * face.xyz.dot(v) * face.xyz
 
 
 @ti.func
-def wall_friction_block(
-    x: vec3, count: ti.i32, planes: Vec4Array, setback: real, spacing: real, inverse_h: real
-) -> mat3:
-    """The derivatives of `wall_friction` by the velocity [1/m^2]."""
-    block = mat3(0.0)
-    for k in range(count):
-        n = planes[k].xyz
-        grip = wall_grip(n.dot(x) - planes[k].w - setback, spacing, inverse_h)
-        block += grip.x * ti.Matrix.identity(real, 3) + (grip.y - grip.x) * n.outer_product(n)
-    return block
+def face_friction_block(face: vec4, spacing: real, inverse_h: real) -> mat3:
+    """The derivatives of `face_friction` by the velocity [1/m^2]."""
+    grip = wall_grip(face.w, spacing, inverse_h)
+    return grip.x * ti.Matrix.identity(real, 3) + (grip.y - grip.x) * face.xyz.outer_product(face.xyz)
 
 
 @ti.func
@@ -107,22 +93,9 @@ def sample_friction(d: vec3, v: vec3, nearest: real, inverse_h: real) -> vec3:
     return viscous(v.dot(d), 1.0) * cubic_slope(q) / (q * q + SOFTENING) * inverse_h * inverse_h * d
 
 
-@ti.func
-def sample_friction_block(d: vec3, nearest: real, inverse_h: real) -> mat3:
-    """The derivatives of `sample_friction` by the velocity."""
-    q = ti.max(d.norm() * inverse_h, nearest)
-    return viscous(1.0, 1.0) * cubic_slope(q) / (q * q + SOFTENING) * inverse_h * inverse_h * d.outer_product(d)
-
-
-def sample_friction_host(r: np.ndarray, approach: np.ndarray, nearest: float, h: float) -> np.ndarray:
-    """`sample_friction` with the kernel's norm, over the pairs' vectors d [1/(m^3 s)]; r = |d| [m], approach = v.d."""
-    r = np.maximum(r, nearest * h)
-    return VISCOUS * approach * cubic_slope_host(r, h) / (r * r + SOFTENING * h * h)
-
-
 @dataclass(frozen=True)
 class Grip:
-    """How solids slow the fluid: viscosities [m^2/s] against walls and boundary samples, and the distance over h
+    """How solids slow the fluid: viscosities [m^2/s] against solids and samples of sheets, and the distance over h
     nearer than which samples slow it no more. `strongest`: h^2 times the greatest rate at which one of them slows a
     particle [m^2/s]."""
 

@@ -57,7 +57,7 @@ class Iisph(Incompressible):
         )
         if system.bodies:
             system.bodies.take(dt)
-        if system.boundary.count:
+        if system.remembers:
             remember_way(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
         return self._look_again(dt, tolerance, solution)
@@ -92,7 +92,7 @@ class Iisph(Incompressible):
         """Count what was found to the pressures that act, or take it off with the sign -1."""
         system, particles = self.system, self.system.particles
         _take(system.count, sign, particles.position, particles.acceleration, particles.kept, particles.search)
-        if system.boundary.count:
+        if system.remembers:
             _remember_correction(
                 system.count, sign, dt, particles.kept, particles.search, particles.pressed, particles.corrected
             )

@@ -83,6 +83,7 @@ class Incompressible:
         _move(system.count, dt, particles.position, particles.velocity)
         if system.bodies:
             system.bodies.hold_off(dt)
+        system.boundary.hold_off(particles.position, particles.velocity, system.count)
         system.exchange(dt)
         system.find_neighbors()
         self.examine(dt)

@@ -64,11 +64,11 @@ def cubic_slope_host(r: np.ndarray, h: float) -> np.ndarray:
     return 8.0 / (math.pi * h**5) * np.where(q < 0.5, 18.0 * q - 12.0, -6.0 * rest**2 / np.maximum(q, 0.5))
 
 
-def halfspace_area_host(q: float) -> float:
+def halfspace_area_host(q: np.ndarray) -> np.ndarray:
     """`halfspace_area` on the host, in double precision."""
-    s = min(abs(q), 1.0)
-    u = 1.0 - s
-    return 1.4 + s * s * (-8.0 + s * s * (24.0 - 19.2 * s)) if s < 0.5 else u**4 * (8.0 - 6.4 * u)
+    s = np.minimum(np.abs(q), 1.0)
+    near = 1.4 + s * s * (-8.0 + s * s * (24.0 - 19.2 * s))
+    return np.where(s < 0.5, near, (1.0 - s) ** 4 * (8.0 - 6.4 * (1.0 - s)))
 
 
 def halfspace_volume_host(q: np.ndarray) -> np.ndarray:

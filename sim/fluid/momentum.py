@@ -1,6 +1,6 @@
 """Accelerations of particles by all forces that are given by positions and velocities.
 
-a_i = -B_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij           Monaghan 1992, eq. 3.3; B in `sim.fluid.walls`
+a_i = -B_i sum_j m (p_i/rho_i^2 + p_j/rho_j^2) grad W_ij      Monaghan 1992, eq. 3.3; B is `half_space.along_faces`
     + 2 (dim + 2) nu sum_j m 2/(rho_i + rho_j) (v_ij.x_ij)/(x_ij^2 + 0.01 h^2) grad W_ij      Monaghan 2005, eq. 4.27
     - kappa sum_j x_ij W(max(x_ij, d)) + g                                     Becker & Teschner 2007, eq. 15
 Solids add the derivative of what they add to the density (Akinci et al. 2012, eq. 9), and friction
@@ -9,14 +9,15 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.added import load_forces
+from sim.fluid.boundary.half_space import along_faces, face_damping
+from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
-from sim.fluid.friction import NO_GRIP, find_grip, sample_friction, wall_friction
+from sim.fluid.friction import NO_GRIP, face_friction, find_grip, sample_friction
 from sim.fluid.kernel import cubic, cubic_slope
 from sim.fluid.limits import capillary_limit, viscosity_limit
 from sim.fluid.system import FluidSystem
-from sim.fluid.walls import along_walls, wall_damping, wall_share
 from sim.neighbors import padded
 
 TENSION_STEP = {"becker2007": 0.5, "akinci2013": 1.0}
@@ -43,16 +44,17 @@ class Momentum:
     ):
         spec = system.spec
         self.system = system
+        system.momentum = self
         self.pressure = pressure
         self.artificial = artificial
         self.damping = damping
         self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
         self.friction_known = friction_known and self.viscosity > 0
-        solids = system.walls.count > 0 or system.boundary.count > 0
+        solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        self.adhesion = next((force.samples for force in self._added if hasattr(force, "samples")), 0.0)
-        """Strength against samples, as `sim.fluid.adhesion` has it."""
+        self.adhesion = next((force for force in self._added if hasattr(force, "samples")), None)
+        """`sim.fluid.adhesion`, where there is any."""
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
                 spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
@@ -73,7 +75,7 @@ class Momentum:
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
         system = self.system
-        spec, particles, boundary, walls = system.spec, system.particles, system.boundary, system.walls
+        spec, particles, boundary = system.spec, system.particles, system.boundary
         _accelerate(
             system.count,
             system.h,
@@ -85,12 +87,12 @@ class Momentum:
             particles.velocity,
             particles.acceleration,
             *system.lists,
-            boundary.moves,
             boundary.velocity,
-            walls.count,
-            walls.fit,
-            walls.setback,
-            walls.planes,
+            boundary.shapes.count > 0,
+            boundary.faces.share,
+            *boundary.faces.lists,
+            boundary.faces.solid,
+            boundary.shapes.pose,
             self.pressure,
             self.friction_known,
             particles.push if self.friction_known else particles.acceleration,
@@ -123,16 +125,21 @@ def _accelerate(
     acceleration: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    has_motion: ti.template(),
     sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    wall_setback: real,
-    planes: Vec4Array,
+    has_solids: ti.template(),
+    solids: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    solid: IntArray,
+    pose: DoubleTable,
     has_pressure: ti.template(),
     has_friction: ti.template(),
     friction: Vec4Array,
@@ -181,14 +188,12 @@ def _accelerate(
         a = mass * slope_norm * rub + cohesion * norm * pull
         if ti.static(has_friction):
             a += friction[i].xyz
-        if ti.static(has_boundary and (has_pressure or has_grip or has_damping)):
+        if ti.static(has_samples and (has_pressure or has_grip or has_damping)):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x.xyz - b.xyz
                 r2 = d.dot(d)
-                relative = v.xyz
-                if ti.static(has_motion):
-                    relative -= sample_velocity[sample_index[i, k]].xyz
+                relative = v.xyz - sample_velocity[sample_index[i, k]].xyz
                 strength = rest_density * slope_norm * b.w
                 gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
                 if ti.static(has_pressure):
@@ -199,15 +204,16 @@ def _accelerate(
                     grip = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
                     a += strength / v.w * grip
         if ti.static(has_pressure):
-            walls = wall_share(x.xyz, wall_count, wall_fit, planes, inverse_h)
-            push -= x.w * rest_density * walls.xyz
-            if walls.w > 0.0:
-                push = along_walls(x.xyz, push, wall_count, wall_fit, planes, inverse_h)
+            if ti.static(has_solids):
+                push -= x.w * rest_density * solids[i].xyz
+                push = along_faces(i, push, begin, solids_near, face, held, fit, inverse_h)
             a += push
-        if ti.static(has_damping):
-            strength = damping_strength * rest_density * wall_fit.x / v.w
-            a += wall_damping(x.xyz, v.xyz, wall_count, planes, inverse_h, strength)
-        if ti.static(has_grip):
-            grip = wall_friction(x.xyz, v.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
-            a += viscosity * rest_density / v.w * grip
+        if ti.static(has_solids and (has_damping or has_grip)):
+            for e in range(begin[i], begin[i] + solids_near[i]):
+                one, heavy = face[e], face_weight[e] * rest_density / v.w
+                relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
+                if ti.static(has_damping):
+                    a += heavy * face_damping(one.w, one.xyz.dot(relative), fit, inverse_h, damping_strength) * one.xyz
+                if ti.static(has_grip):
+                    a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
         acceleration[i].xyz = a + gravity

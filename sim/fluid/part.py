@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -12,27 +12,20 @@ import numpy as np
 from sim.arrays import numpy_real
 from sim.fluid import load_solver
 from sim.fluid.added import force_arrays
-from sim.fluid.boundary import Boundary
+from sim.fluid.boundary.boundary import Boundary
+from sim.fluid.boundary.shapes import BoundarySolid, Shapes
 from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
-from sim.fluid.samples import Samples
+from sim.fluid.seed import Room, Seed, seed
 from sim.fluid.sources import Source
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem, Measure
-from sim.fluid.walls import Walls
 from sim.settings import Refused
 
 if TYPE_CHECKING:
     from sim.fluid.sheets import SheetSamples
 
-START_CLEARANCE = 0.45
-"""Fluid starts at least this many spacings off every solid."""
-OVERLAP = 0.9
-"""Fluid keeps this many spacings off the fluid that is there: the holes of a full lattice are sqrt(3)/2 wide."""
 COMPRESSION_SPEED = 10.0
 """Speed of sound over the greatest speed expected: 1 % compression (Monaghan 1994)."""
-
-Allowed = Callable[[np.ndarray, float], np.ndarray]
-"""Whether fluid can be at points [m], shape [n, 3], with this clearance [m] to every solid."""
 
 
 @dataclass
@@ -64,36 +57,24 @@ class FluidState:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What the fluid meets: walls and boundary samples in world coordinates [m].
+    """What the fluid meets, in world coordinates [m]; sheets: makes samples of sheets that are listed within a radius
+    [m]."""
 
-    planes: unit normal and offset, shape [m, 4]; pivots: by index the own origins, shape [3], of bodies
-    that move, whose samples are where the bodies are placed; sheets: makes samples of sheets that lie behind so many
-    others and are listed within a radius [m].
-    """
-
-    planes: np.ndarray
-    samples: Samples
-    pivots: dict[int, np.ndarray]
-    sheets: Callable[[int, float], SheetSamples] | None = None
+    solids: Sequence[BoundarySolid]
+    sheets: Callable[[float], SheetSamples] | None = None
 
 
 def pour(
-    state: FluidState, source: Source, body: int, first: int, fluid: Fluid, origin: np.ndarray, allowed: Allowed
-) -> tuple[FluidState, int]:
-    """`state` and the particles of one more body where nothing else is, and how many had no place.
+    state: FluidState, source: Source, body: int, first: int, fluid: Fluid, origin: np.ndarray, room: Room
+) -> tuple[FluidState, Seed]:
+    """`state` and the particles of one more body where nothing else is, and these.
 
     `first` is the identity of the first of them, the others count on.
     Raises Refused where none has a place, or where there are more than the scene allows.
     """
-    free = allowed(source.points, START_CLEARANCE * fluid.spacing)
-    if state.count:
-        from scipy.spatial import cKDTree
-
-        present = state.position[:, :3].astype(np.float64) + origin
-        nearest, _ = cKDTree(present).query(source.points, distance_upper_bound=OVERLAP * fluid.spacing)
-        free &= ~np.isfinite(nearest)
-    points = source.points[free]
-    count = len(points)
+    present = state.position[:, :3].astype(np.float64) + origin
+    found = seed(source.solid, source.points, fluid.spacing, room, present)
+    count = len(found.points)
     if not count:
         raise Refused(
             f"no particle of '{source.name}' lies inside the containers and outside solids and other fluid",
@@ -107,12 +88,12 @@ def pour(
             remedy=f"use a particle_radius above {_radius_for(state.count + count, fluid):.3g} m, or raise the limit",
         )
     fresh = FluidState(
-        position=np.column_stack((points - origin, np.zeros(count))).astype(numpy_real),
-        velocity=np.tile(np.array([*source.velocity, fluid.rest_density], numpy_real), (count, 1)),
+        position=np.column_stack((found.points - origin, np.zeros(count))).astype(numpy_real),
+        velocity=np.column_stack((source.flow.at(found.points), np.full(count, fluid.rest_density))).astype(numpy_real),
         acceleration=np.zeros((count, 4), numpy_real),
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
     )
-    return state.joined(fresh), len(free) - count
+    return state.joined(fresh), found
 
 
 def _radius_for(count: int, fluid: Fluid) -> float:
@@ -123,8 +104,9 @@ def _radius_for(count: int, fluid: Fluid) -> float:
 class FluidPart:
     """Particles, surroundings and solver, built for one number of particles.
 
-    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest speed [m/s] at the
-    start, or of a body at any time.
+    `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest speed [m/s] at the start, or of a body
+    at any time. Nothing else is under the height `floor` [m], and `depth` [m] further down a particle is out of the
+    scene. `probed`: whether the pressures of the last step will be asked for.
     """
 
     def __init__(
@@ -137,26 +119,30 @@ class FluidPart:
         *,
         drop: float,
         fastest: float,
+        floor: float,
+        depth: float,
+        probed: bool = False,
     ):
         h = fluid.support_radius
-        planes = surroundings.planes.copy()
-        planes[:, 3] -= planes[:, :3] @ origin
         solver = load_solver(fluid.solver)
         reach = h * (1 + solver.SKIN)
-        pivots = {index: pivot - origin for index, pivot in surroundings.pivots.items()}
-        boundary = Boundary(surroundings.samples.moved(-origin), fluid.spacing, h, reach, pivots)
+        boundary = Boundary(Shapes(surroundings.solids, origin, fluid.spacing, h), fluid.spacing, h, reach)
         if surroundings.sheets:
-            boundary.attach(surroundings.sheets(boundary.count, reach))
-        walls = Walls(planes, fluid.spacing, h)
+            boundary.attach(surroundings.sheets(reach))
         self.origin = origin
         self.gravity = gravity
+        g = float(np.linalg.norm(gravity))
+        self._depth = g * depth if math.isfinite(depth) else math.inf
+        up = -gravity / g if g > 0 else np.zeros(3)
+        self._level = g * (floor - float(up @ origin))
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
         signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
         implicit = not surroundings.sheets and viscosity_is_implicit(fluid, gravity, signal)
         arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
-        if boundary.count:
+        if boundary.has_bodies or probed:
             arrays += solver.SAMPLE_ARRAYS
-        self.system = FluidSystem(fluid, gravity, walls, boundary, arrays, solver.SKIN, implicit)
+        boundary.shapes.set_floor(gravity, self._level)
+        self.system = FluidSystem(fluid, gravity, boundary, arrays, solver.SKIN, implicit)
         self.system.load(vars(state))
         self.solver = solver(self.system, self.fastest_signal)
 
@@ -167,13 +153,17 @@ class FluidPart:
     def state(self) -> FluidState:
         return FluidState(**self.system.particles.state())
 
-    def measure(self, floor: float, cfl: float) -> Measure:
-        """Extremes, sums and error counts; below the height `floor` [m] falling may add speed, and `cfl` says what
-        share of half the support radius particles may go in a step."""
-        g = float(np.linalg.norm(self.gravity))
-        up = -self.gravity / g if g > 0 else np.zeros(3)
-        level = g * (floor - float(up @ self.origin))
-        return self.system.measure(0.5 * cfl * self.system.h, self.fastest_signal, level)
+    def measure(self, cfl: float) -> Measure:
+        """Extremes, sums and error counts; `cfl` says what share of half the support radius particles may go in a
+        step."""
+        return self.system.measure(0.5 * cfl * self.system.h, self.fastest_signal, self._level, self._depth)
+
+    def remove_fallen(self) -> int:
+        """Take out the particles that were measured out of the scene, before others are sorted; how many those were."""
+        if not self.system.measured.fallen:
+            return 0
+        position = self.system.particles.numpy("position")[:, :3].astype(np.float64)
+        return self.system.particles.leave_out(position @ self.gravity + self._level > self._depth)
 
     def potential_energy(self, measure: Measure) -> float:
         """In gravity [J], zero at the world's origin."""

@@ -16,14 +16,14 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, real, vec4
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces import pressure_sum
 from sim.fluid.incompressible import WORST, Incompressible, kick
 from sim.fluid.kernel import cubic, cubic_slope_host, lattice
-from sim.fluid.solids import remember_way, solid_share
+from sim.fluid.solids import remember_way, sheet_share
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
-from sim.fluid.walls import along_walls
 from sim.neighbors import itself, padded
 
 RELAXATION = 0.5
@@ -74,7 +74,7 @@ class Pcisph(Incompressible):
         if bodies:
             bodies.take(dt)
         kick(system.count, dt, particles.velocity, particles.push)
-        if system.boundary.count:
+        if system.remembers:
             remember_way(system.count, dt, particles.push, particles.pressed)
         return {"pressure_iterations": iteration, "capped": not good}
 
@@ -83,8 +83,8 @@ class Pcisph(Incompressible):
 
         Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
         """
-        system = self.system
-        walls = system.walls
+        system, particles = self.system, self.system.particles
+        system.boundary.place(particles.predicted, particles.velocity, system.count, 0.0, pulls=fresh)
         mean, worst = _compress(
             system.count,
             system.h,
@@ -97,9 +97,7 @@ class Pcisph(Incompressible):
             system.particles.push,
             system.particles.solid,
             *system.lists,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            system.boundary.faces.share,
             self._sums,
         )
         return mean, worst
@@ -120,9 +118,7 @@ class Pcisph(Incompressible):
             particles.solid,
             system.neighbors.size,
             system.neighbors.index,
-            system.walls.count,
-            system.walls.fit,
-            system.walls.planes,
+            *system.boundary.faces.lists,
         )
 
 
@@ -160,13 +156,11 @@ def _compress(
     solid: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    solids: Vec4Array,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     inverse_h = 1.0 / h
@@ -176,12 +170,9 @@ def _compress(
         near = ti.cast(0.0, real)
         for k in range(padded(size[i])):
             near += cubic((x - predicted[index[i, k]].xyz).norm() * inverse_h)
-        near_solid = 0
-        if ti.static(has_boundary):
-            near_solid = sample_size[i]
-        share = solid_share(
-            x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
-        )
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
         steep = rest_density * share.xyz.norm()
         if ti.static(has_bodies):
             if fresh == 1:
@@ -222,9 +213,12 @@ def _raise(
     solid: Vec4Array,
     size: IntArray,
     index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
 ):
     inverse_h = 1.0 / h
     strength = mass * 8.0 / ti.math.pi * inverse_h**5
@@ -235,5 +229,5 @@ def _raise(
         a = pressure_sum(i, position, size, index, inverse_h)
         a = strength * a - position[i].w * solid[i].xyz
         if solid[i].xyz.any():
-            a = along_walls(position[i].xyz, a, wall_count, wall_fit, planes, inverse_h)
+            a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
         push[i].xyz = a

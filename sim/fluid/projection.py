@@ -2,8 +2,8 @@
 
 With q = p / rho^2, pressures accelerate particles by
     a_i(q) = B_i [-sum_j m (q_i + q_j) grad W_ij - q_i G_i],
-where G_i is the gradient of what the solids add to the density of particle i, and B_i makes good along plane walls what
-it lacks (`sim.fluid.walls.along_walls`). Over a step dt that changes densities by
+where G_i is the gradient of what the solids add to the density of particle i, and B_i makes good along their surfaces
+what it lacks (`sim.fluid.boundary.half_space.along_faces`). Over a step dt that changes densities by
     dt^2 (L q)_i = dt^2 [sum_j m (a_i - a_j).grad W_ij + a_i.G_i].
 L is symmetric and negative semidefinite; away from walls its diagonal is -D_i, with
     D_i = |sum_j m grad W_ij + G_i|^2 + sum_j m^2 |grad W_ij|^2.
@@ -20,7 +20,7 @@ import taichi as ti
 from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.solids import approach, solid_share
+from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import itself, padded
 
@@ -73,7 +73,7 @@ class Projection:
         that of `sim.fluid.momentum`, for pairs at rest density.
         """
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, boundary = system.particles, system.boundary
         _prepare(
             system.count,
             dt,
@@ -91,11 +91,9 @@ class Projection:
             self.viscosity,
             particles.push,
             *system.lists,
-            boundary.moves,
             boundary.velocity,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            boundary.faces.share,
+            boundary.faces.rate,
         )
 
     def predict(self, dt: float) -> None:
@@ -104,7 +102,8 @@ class Projection:
         The share of the solids is steep, so it is taken, with its gradient G, where the particle would go.
         """
         system = self.system
-        particles, walls = system.particles, system.walls
+        particles, boundary = system.particles, system.boundary
+        boundary.place(particles.position, particles.velocity, system.count, dt)
         _predict(
             system.count,
             dt,
@@ -116,9 +115,7 @@ class Projection:
             particles.solid,
             particles.source,
             *system.lists,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            boundary.faces.share,
         )
 
 
@@ -141,15 +138,13 @@ def _prepare(
     push: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    has_motion: ti.template(),
     sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    solids: Vec4Array,
+    solids_rate: RealArray,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -175,12 +170,9 @@ def _prepare(
         if ti.static(has_viscosity):
             push[i].xyz = mass * slope_norm / rest_density * rub
         density = mass * norm * (near + itself(size[i]))
-        near_solid = 0
-        if ti.static(has_boundary):
-            near_solid = sample_size[i]
-        share = solid_share(
-            x, i, near_solid, sample_index, samples, wall_count, wall_fit, planes, inverse_h, has_boundary
-        )
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
         density += rest_density * share.w
         gradient = rest_density * share.xyz
         velocity[i].w = density
@@ -188,11 +180,10 @@ def _prepare(
         whole = mass * slope_norm * along + gradient
         d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
-        compression = dt * (mass * slope_norm * rate + v.dot(gradient))
-        if ti.static(has_motion):
-            compression += (
-                dt * rest_density * approach(x, i, near_solid, sample_index, samples, sample_velocity, inverse_h)
-            )
+        compression = dt * (mass * slope_norm * rate + v.dot(gradient) + rest_density * solids_rate[i])
+        if ti.static(has_samples):
+            closing = approach(x, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
+            compression += dt * rest_density * closing
         source[i] = ti.select(size[i] < fewest_neighbors, -rest_density, compression)
 
 
@@ -209,13 +200,11 @@ def _predict(
     source: RealArray,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    solids: Vec4Array,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -225,20 +214,8 @@ def _predict(
         for k in range(padded(size[i])):
             j = index[i, k]
             near += cubic((x - position[j].xyz + dt * (v.xyz - velocity[j].xyz)).norm() * inverse_h)
-        near_solid = 0
-        if ti.static(has_boundary):
-            near_solid = sample_size[i]
-        share = solid_share(
-            x + dt * v.xyz,
-            i,
-            near_solid,
-            sample_index,
-            samples,
-            wall_count,
-            wall_fit,
-            planes,
-            inverse_h,
-            has_boundary,
-        )
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x + dt * v.xyz, i, sample_size[i], sample_index, samples, inverse_h)
         source[i] = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
         solid[i].xyz = rest_density * share.xyz

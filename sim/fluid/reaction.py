@@ -1,96 +1,144 @@
-"""What the fluid does to the bodies that it moves: sums over the pairs of particles and samples of their surfaces.
+"""What the fluid does to the bodies that it moves: sums over the pairs of particles and bodies near them.
 
-Every pair acts on both with equal and opposite forces along one line (Akinci et al. 2012, eq. 9), so that momentum and
-angular momentum are kept. Pressures that are looked for move the bodies, too: with the forces J q of the pressures
-q = p / rho^2 on a body of mass M, its samples give way, and compress the fluid by dt^2 J^T M^-1 J q less. Bodies are so
-part of the system of equations of `sim.fluid.projection`, which stays symmetric and negative semidefinite: however
-light they are, there is no step from which on the two throw each other back and forth (compare Gissler et al. 2019,
-who iterate between two systems).
+Each body is a half-space to a particle (`sim.fluid.boundary`), and what it does to the particle is done to it at the
+same place, so that momentum and angular momentum are kept. Pressures that are looked for move the bodies, too: with the
+forces J q of the pressures q = p / rho^2 on a body of mass M, it gives way, and compresses the fluid by
+dt^2 J^T M^-1 J q less. Bodies are so part of the system of equations of `sim.fluid.projection`, which stays symmetric
+and negative semidefinite: however light they are, there is no step from which on the two throw each other back and
+forth (compare Gissler et al. 2019, who iterate between two systems).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
 import numpy as np
 import taichi as ti
 
-from sim.arrays import integer_array
-from sim.fluid.momentum import Momentum
-from sim.fluid.reaction_sums import answer_pressure, expect, give_way, push_back
-from sim.fluid.system import FluidSystem
-from sim.neighbors import NeighborList
+from sim.arrays import GROWTH, integer_array
+from sim.fluid import reaction_sums
+from sim.fluid.reaction_sums import PARTS, RANGES
 
-CHUNK = 32
-"""Samples of a body are summed over in groups of so many, and then over these: in a fixed order, on all threads."""
+if TYPE_CHECKING:
+    from sim.fluid.momentum import Momentum
+    from sim.fluid.system import FluidSystem
+
+
+class Film(Protocol):
+    """What acts on bodies where fluid has no particles, by the pressures of others."""
+
+    active: bool
+
+    def pressed(self, pressure: ti.Ndarray, wrench: ti.Ndarray, *, found: bool) -> None:
+        """Write wrenches by the pressures as q in w, or where they are `found` in x, shape [bodies, 6]."""
+
+    def give_way(self, answer: ti.Ndarray) -> None:
+        """Add to push.w what these answers of bodies do to those particles."""
+
+
 INERTIA = 13
 """Numbers that say how a body answers a force: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
 
 
 class Reaction:
-    """Sums for the bodies that are the `rows` of those that move in the boundary of `system`.
+    """Sums for the bodies that are the `solids`, by their index, in the boundary of `system`.
 
     A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; an answer is the acceleration
-    [m/s^2] and the angular acceleration [rad/s^2] by it.
+    [m/s^2] and the angular acceleration [rad/s^2] by it. ends: where the entries of each body begin in `order`, and
+    where the last end; body_of: of each solid which of these it is, or -1.
     """
 
-    def __init__(self, system: FluidSystem, rows: list[int]):
+    def __init__(self, system: FluidSystem, solids: Sequence[int]):
         self.system = system
-        self.count = len(rows)
-        self.near = NeighborList(48)
-        moving = system.boundary.moving
-        body_of = np.full(len(system.boundary.points), -1, dtype=np.int32)
-        chunks, ends = [], [0]
-        for body, row in enumerate(rows):
-            mine = moving.first + np.flatnonzero(moving.body == row)
-            body_of[mine] = body
-            chunks += [(begin, min(begin + CHUNK, mine[-1] + 1), body) for begin in range(mine[0], mine[-1] + 1, CHUNK)]
-            ends.append(len(chunks))
+        self.count = len(solids)
+        body_of = np.full(max(system.boundary.shapes.count, 1), -1, dtype=np.int32)
+        body_of[list(solids)] = np.arange(self.count)
         self.body_of = integer_array(body_of)
-        self.chunks, self.ends = integer_array(np.array(chunks)), integer_array(np.array(ends))
-        self.partial = ti.ndarray(ti.f64, (len(chunks), 6))
+        self.ends = ti.ndarray(ti.i32, self.count + 1)
+        self.order = ti.ndarray(ti.i32, 1)
+        self.partial = ti.ndarray(ti.f64, (PARTS * self.count, 6))
+        self._tally = ti.ndarray(ti.i32, RANGES * self.count)
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
-        self._wrench = ti.ndarray(ti.f64, (self.count, 6))
-        self._answer = ti.ndarray(ti.f64, (self.count, 6))
+        self._wrench, self._answer, self._by_film = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
+        self.film: Film | None = None
 
     def list(self) -> None:
-        """List the particles near each sample, as the particles' lists are made."""
-        system = self.system
-        moving = system.boundary.moving
-        self.near.build(moving.here, moving.count, system.grid, system.particles.position, same=False)
+        """Sort the entries of the bodies by these, in a fixed order, as they are listed now."""
+        faces = self.system.boundary.faces
+        args = (self.system.count, faces.begin, faces.size, faces.solid, self.body_of, self._tally, self.ends)
+        total = reaction_sums.tally(*args)
+        if total > self.order.shape[0]:
+            self.order = ti.ndarray(ti.i32, int(GROWTH * total))
+        reaction_sums.sort(*args, self.order)
+
+    def films(self) -> np.ndarray:
+        """Wrenches of films by the pressures in position.w."""
+        self._press_films(self.system.particles.position, found=False)
+        return self._by_film.to_numpy()
+
+    def _press_films(self, pressure: ti.Ndarray, *, found: bool) -> None:
+        if self.film and self.film.active:
+            self.film.pressed(pressure, self._by_film, found=found)
+        else:
+            self._by_film.fill(0)
 
     def weigh(self, inertia: np.ndarray) -> None:
         """Say how bodies answer forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
         self.inertia = inertia
         self._inertia.from_numpy(np.ascontiguousarray(inertia))
 
-    def forces(self, momentum: Momentum) -> np.ndarray:
-        """Wrenches of the forces that positions and velocities give, shape [bodies, 6]."""
+    def forces(self, momentum: Momentum, friction: float | None = None) -> np.ndarray:
+        """Wrenches of the forces that positions and velocities give, shape [bodies, 6]; friction: viscosity of what the
+        fluid sticks to [m^2/s], where that is not what acts as a force."""
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
-        push_back(
+        particles, faces = system.particles, system.boundary.faces
+        adhesion = momentum.adhesion
+        reaction_sums.push_back(
             self.ends,
-            self.chunks,
+            self.order,
             system.h,
+            system.spec.spacing,
             system.mass,
             system.spec.rest_density,
             particles.position,
             particles.velocity,
-            self.near.size,
-            self.near.index,
-            boundary.moving.first,
-            boundary.samples,
-            boundary.velocity,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            faces.particle,
+            faces.solid,
+            faces.face,
+            faces.weight,
+            faces.pull,
+            faces.fit,
+            system.boundary.shapes.pose,
             self._inertia,
             momentum.pressure,
-            momentum.grip.walls > 0,
-            momentum.grip.samples,
-            momentum.grip.nearest,
+            (momentum.grip.walls if friction is None else friction) > 0,
+            momentum.viscosity if friction is None else friction,
             momentum.damping > 0,
             momentum.damping,
-            momentum.adhesion > 0,
-            momentum.adhesion,
+            adhesion is not None,
+            adhesion.solids if adhesion else 0.0,
+            self.partial,
+            self._wrench,
+        )
+        return self._wrench.to_numpy()
+
+    def held(self) -> np.ndarray:
+        """Wrenches of what solids that obey no forces hold along their surfaces (`along_faces`), by the pressures in
+        position.w, shape [bodies, 6]."""
+        system = self.system
+        faces = system.boundary.faces
+        reaction_sums.hold(
+            self.ends,
+            self.order,
+            system.h,
+            system.mass,
+            system.particles.position,
+            system.neighbors.size,
+            system.neighbors.index,
+            *faces.lists,
+            faces.particle,
+            self._inertia,
             self.partial,
             self._wrench,
         )
@@ -120,30 +168,24 @@ class Reaction:
         """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
         self._answer.from_numpy(answer)
         self._give_way(dt)
-        expect(self.system.count, dt, self.system.particles.push, self.system.particles.source)
+        reaction_sums.expect(self.system.count, dt, self.system.particles.push, self.system.particles.source)
 
     def _sum(self, ahead: float, pressure: ti.Ndarray, *, found: bool) -> None:
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
-        answer_pressure(
+        self._press_films(pressure, found=found)
+        reaction_sums.answer_pressure(
             self.ends,
-            self.chunks,
+            self.order,
             ahead,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
-            particles.position,
-            particles.velocity,
+            system.mass * system.spec.rest_density,
+            system.particles.position,
+            system.particles.velocity,
             pressure,
             found,
-            self.near.size,
-            self.near.index,
-            boundary.moving.first,
-            boundary.samples,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            system.boundary.faces.particle,
+            system.boundary.faces.pull,
             self._inertia,
+            self._by_film,
             self.partial,
             self._wrench,
             self._answer,
@@ -151,26 +193,25 @@ class Reaction:
 
     def _give_way(self, ahead: float) -> None:
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
-        give_way(
+        faces = system.boundary.faces
+        reaction_sums.give_way(
             system.count,
             ahead,
-            system.h,
             system.spec.rest_density,
-            particles.position,
-            particles.velocity,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
+            system.particles.position,
+            system.particles.velocity,
+            faces.begin,
+            faces.size,
+            faces.solid,
+            faces.pull,
             self.body_of,
-            walls.count,
-            walls.fit,
-            walls.planes,
             self._inertia,
             self._answer,
-            particles.push,
+            system.particles.push,
         )
+        if self.film and self.film.active:
+            self.film.give_way(self._answer)
 
     @property
     def bytes(self) -> int:
-        return self.near.bytes + 4 * self.body_of.shape[0] + 48 * self.partial.shape[0]
+        return 4 * (self.order.shape[0] + self._tally.shape[0]) + 48 * self.partial.shape[0]

@@ -1,13 +1,19 @@
-"""The sums of `sim.fluid.reaction` on the device."""
+"""The sums of `sim.fluid.reaction` on the device, in a fixed order, on all threads."""
 
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
-from sim.fluid.adhesion import adhesion
-from sim.fluid.forces import SOFTENING, artificial
-from sim.fluid.friction import sample_friction
-from sim.fluid.kernel import cubic_slope
-from sim.fluid.walls import along_walls
+from sim.fluid.adhesion import face_adhesion
+from sim.fluid.boundary.half_space import along_face, face_damping
+from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.forces import pressure_sum
+from sim.fluid.friction import face_friction
+from sim.fluid.sums import span
+
+PARTS = 64
+"""Entries of a body are summed over in so many ranges, and then over these."""
+RANGES = 64
+"""Entries are sorted by body in so many ranges of particles side by side."""
 
 vec6d = ti.types.vector(6, ti.f64)
 
@@ -30,127 +36,99 @@ def keep(table: DoubleTable, row: ti.i32, first: ti.template(), total: vec6d):
 
 
 @ti.func
-def gather(table: DoubleTable, begin: ti.i32, end: ti.i32) -> vec6d:
+def gather(table: DoubleTable, body: ti.i32) -> vec6d:
+    """Sum of the PARTS of a body."""
     total = vec6d(0.0)
-    for row in range(begin, end):
+    for row in range(PARTS * body, PARTS * (body + 1)):
         for column in ti.static(range(6)):
             total[column] += table[row, column]
     return total
 
 
 @ti.func
-def force_on_sample(
-    s: ti.i32,
-    row: ti.i32,
-    centre: vec3,
-    h: real,
-    mass: real,
-    rest_density: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    near_size: IntArray,
-    near_index: IntTable,
-    samples: Vec4Array,
-    sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
-    has_pressure: ti.template(),
-    has_grip: ti.template(),
-    sample_viscosity: real,
-    nearest_sample: real,
-    has_damping: ti.template(),
-    damping_strength: real,
-    has_adhesion: ti.template(),
-    adhesion_strength: real,
-) -> vec6d:
-    """The opposite of what a sample does to the particles listed in `row`, as force [N] and torque about `centre`:
-    `sim.fluid.momentum` and `sim.fluid.adhesion`."""
-    inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
-    softening = SOFTENING * h * h
-    total = vec6d(0.0)
-    b, moves = samples[s], sample_velocity[s].xyz
-    for k in range(near_size[row]):
-        i = near_index[row, k]
-        x, v = position[i], velocity[i]
-        d = x.xyz - b.xyz
-        r2 = d.dot(d)
-        strength = rest_density * slope_norm * b.w
-        gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
-        a = vec3(0.0)
-        if ti.static(has_pressure):
-            a -= along_walls(x.xyz, x.w * gradient, wall_count, wall_fit, planes, inverse_h)
-        if ti.static(has_damping):
-            a += artificial((v.xyz - moves).dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
-        if ti.static(has_grip):
-            grip = sample_viscosity * sample_friction(d, v.xyz - moves, nearest_sample, inverse_h)
-            a += strength / v.w * grip
-        if ti.static(has_adhesion):
-            r = ti.max(ti.sqrt(r2), 1e-6 * h)
-            a -= adhesion_strength * b.w * adhesion(r * inverse_h) / r * d
-        total += wrench_of(x.xyz - centre, -mass * a)
-    return total
+def part_of(k: ti.i32, ends: IntArray) -> ti.types.vector(2, ti.i32):
+    """Begin and end in the order of one of PARTS ranges of the entries of a body."""
+    body = k // PARTS
+    return ends[body] + span(k - PARTS * body, PARTS, ends[body + 1] - ends[body])
 
 
-@ti.func
-def pressure_on_sample(
-    s: ti.i32,
-    row: ti.i32,
-    centre: vec3,
-    ahead: real,
-    h: real,
-    mass: real,
-    rest_density: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    pressure: Vec4Array,
-    found: ti.template(),
-    near_size: IntArray,
-    near_index: IntTable,
-    samples: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
-) -> vec6d:
-    """Likewise of the pressures, which are in w, or where they are `found` already in x."""
-    inverse_h = 1.0 / h
-    strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
-    total = vec6d(0.0)
-    b = samples[s]
-    for k in range(near_size[row]):
-        i = near_index[row, k]
-        x = position[i].xyz + ahead * velocity[i].xyz
-        d = x - b.xyz
-        gradient = strength * b.w * cubic_slope(d.norm() * inverse_h) * d
-        gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
-        q = pressure[i].x if ti.static(found) else pressure[i].w
-        total += wrench_of(x - centre, mass * q * gradient)
-    return total
+@ti.kernel
+def tally(
+    count: ti.i32,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    body_of: IntArray,
+    tally: IntArray,
+    ends: IntArray,
+) -> ti.i32:
+    """Write where the entries of each body will end, and in each range of particles begin; returns how many there
+    are."""
+    bodies = ends.shape[0] - 1
+    for r in range(RANGES):
+        for b in range(bodies):
+            tally[b * RANGES + r] = 0
+        within = span(r, RANGES, count)
+        for i in range(within[0], within[1]):
+            for e in range(begin[i], begin[i] + size[i]):
+                b = body_of[solid[e]]
+                if b >= 0:
+                    tally[b * RANGES + r] += 1
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        total = 0
+        for b in range(bodies):
+            ends[b] = total
+            for r in range(RANGES):
+                here = tally[b * RANGES + r]
+                tally[b * RANGES + r] = total
+                total += here
+        ends[bodies] = total
+    return ends[bodies]
+
+
+@ti.kernel
+def sort(
+    count: ti.i32,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    body_of: IntArray,
+    tally: IntArray,
+    ends: IntArray,
+    order: IntArray,
+):
+    for r in range(RANGES):
+        within = span(r, RANGES, count)
+        for i in range(within[0], within[1]):
+            for e in range(begin[i], begin[i] + size[i]):
+                b = body_of[solid[e]]
+                if b >= 0:
+                    order[tally[b * RANGES + r]] = e
+                    tally[b * RANGES + r] += 1
 
 
 @ti.kernel
 def push_back(
     ends: IntArray,
-    chunks: IntTable,
+    order: IntArray,
     h: real,
+    spacing: real,
     mass: real,
     rest_density: real,
     position: Vec4Array,
     velocity: Vec4Array,
-    near_size: IntArray,
-    near_index: IntTable,
-    first: ti.i32,
-    samples: Vec4Array,
-    sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    particle: IntArray,
+    solid: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    pull: Vec4Array,
+    fit: vec4,
+    pose: DoubleTable,
     inertia: DoubleTable,
     has_pressure: ti.template(),
     has_grip: ti.template(),
-    sample_viscosity: real,
-    nearest_sample: real,
+    viscosity: real,
     has_damping: ti.template(),
     damping_strength: real,
     has_adhesion: ti.template(),
@@ -158,92 +136,115 @@ def push_back(
     partial: DoubleTable,
     wrench: DoubleTable,
 ):
-    """Forces that positions and velocities give."""
-    for c in range(chunks.shape[0]):
+    """The opposite of what the bodies do to particles by positions and velocities: `sim.fluid.momentum` and
+    `sim.fluid.adhesion`."""
+    inverse_h = 1.0 / h
+    for k in range(partial.shape[0]):
         total = vec6d(0.0)
-        centre = vector(inertia, chunks[c, 2], 0)
-        for s in range(chunks[c, 0], chunks[c, 1]):
-            total += force_on_sample(
-                s,
-                s - first,
-                centre,
-                h,
-                mass,
-                rest_density,
-                position,
-                velocity,
-                near_size,
-                near_index,
-                samples,
-                sample_velocity,
-                wall_count,
-                wall_fit,
-                planes,
-                has_pressure,
-                has_grip,
-                sample_viscosity,
-                nearest_sample,
-                has_damping,
-                damping_strength,
-                has_adhesion,
-                adhesion_strength,
-            )
-        keep(partial, c, 0, total)
+        centre = vector(inertia, k // PARTS, 0)
+        within = part_of(k, ends)
+        for entry in range(within[0], within[1]):
+            e = order[entry]
+            i = particle[e]
+            x, v, one = position[i], velocity[i], face[e]
+            relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
+            heavy = face_weight[e] * rest_density / v.w
+            a = vec3(0.0)
+            if ti.static(has_pressure):
+                a -= x.w * rest_density * pull[e].xyz
+            if ti.static(has_damping):
+                a += heavy * face_damping(one.w, one.xyz.dot(relative), fit, inverse_h, damping_strength) * one.xyz
+            if ti.static(has_grip):
+                a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
+            if ti.static(has_adhesion):
+                a -= face_weight[e] * face_adhesion(one.w, adhesion_strength, h) * one.xyz
+            total += wrench_of(x.xyz - centre, -mass * a)
+        keep(partial, k, 0, total)
     for body in range(wrench.shape[0]):
-        keep(wrench, body, 0, gather(partial, ends[body], ends[body + 1]))
+        keep(wrench, body, 0, gather(partial, body))
+
+
+@ti.kernel
+def hold(
+    ends: IntArray,
+    order: IntArray,
+    h: real,
+    mass: real,
+    position: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    particle: IntArray,
+    inertia: DoubleTable,
+    partial: DoubleTable,
+    wrench: DoubleTable,
+):
+    """The opposite of (B - 1) a, for the accelerations a by the pressures of pairs: those by what solids add are in
+    their pulls, with B. Of several half-spaces each has what its own factors of B change, which is along it."""
+    inverse_h = 1.0 / h
+    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    for k in range(partial.shape[0]):
+        total = vec6d(0.0)
+        centre = vector(inertia, k // PARTS, 0)
+        within = part_of(k, ends)
+        for entry in range(within[0], within[1]):
+            e = order[entry]
+            i = particle[e]
+            if held[e] > 0.0 and face[e].w < h:
+                pushed, more = strength * pressure_sum(i, position, size, index, inverse_h), vec3(0.0)
+                count = solids_near[i]
+                for n in range(2 * count):
+                    one = begin[i] + ti.min(n, 2 * count - 1 - n)
+                    change = along_face(one, pushed, face, held, fit, inverse_h) - pushed
+                    pushed += change
+                    if one == e:
+                        more += change
+                total += wrench_of(position[i].xyz - centre, -mass * more)
+        keep(partial, k, 0, total)
+    for body in range(wrench.shape[0]):
+        keep(wrench, body, 0, gather(partial, body))
 
 
 @ti.kernel
 def answer_pressure(
     ends: IntArray,
-    chunks: IntTable,
+    order: IntArray,
     ahead: real,
-    h: real,
-    mass: real,
-    rest_density: real,
+    strength: real,
     position: Vec4Array,
     velocity: Vec4Array,
     pressure: Vec4Array,
     found: ti.template(),
-    near_size: IntArray,
-    near_index: IntTable,
-    first: ti.i32,
-    samples: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    particle: IntArray,
+    pull: Vec4Array,
     inertia: DoubleTable,
+    by_film: DoubleTable,
     partial: DoubleTable,
     wrench: DoubleTable,
     answer: DoubleTable,
 ):
-    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers."""
-    for c in range(chunks.shape[0]):
+    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers; strength:
+    mass of a particle times the rest density."""
+    for k in range(partial.shape[0]):
         total = vec6d(0.0)
-        centre = vector(inertia, chunks[c, 2], 0)
-        for s in range(chunks[c, 0], chunks[c, 1]):
-            total += pressure_on_sample(
-                s,
-                s - first,
-                centre,
-                ahead,
-                h,
-                mass,
-                rest_density,
-                position,
-                velocity,
-                pressure,
-                found,
-                near_size,
-                near_index,
-                samples,
-                wall_count,
-                wall_fit,
-                planes,
-            )
-        keep(partial, c, 0, total)
+        centre = vector(inertia, k // PARTS, 0)
+        within = part_of(k, ends)
+        for entry in range(within[0], within[1]):
+            e = order[entry]
+            i = particle[e]
+            x = position[i].xyz + ahead * velocity[i].xyz
+            q = pressure[i].x if ti.static(found) else pressure[i].w
+            total += wrench_of(x - centre, strength * q * pull[e].xyz)
+        keep(partial, k, 0, total)
     for body in range(wrench.shape[0]):
-        total = gather(partial, ends[body], ends[body + 1])
+        total = gather(partial, body)
+        for axis in ti.static(range(6)):
+            total[axis] += by_film[body, axis]
         keep(wrench, body, 0, total)
         for row in ti.static(range(3)):
             answer[body, row] = inertia[body, 3] * total[row]
@@ -257,40 +258,27 @@ def answer_pressure(
 def give_way(
     count: ti.i32,
     ahead: real,
-    h: real,
     rest_density: real,
     position: Vec4Array,
     velocity: Vec4Array,
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    pull: Vec4Array,
     body_of: IntArray,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
     inertia: DoubleTable,
     answer: DoubleTable,
     push: Vec4Array,
 ):
     """In push.w, by how much accelerations of bodies lower the second derivative of densities [kg/(m^3 s^2)]."""
-    inverse_h = 1.0 / h
-    strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
     for i in range(count):
-        x = position[i].xyz + ahead * velocity[i].xyz
         given = ti.cast(0.0, real)
-        for k in range(sample_size[i]):
-            s = sample_index[i, k]
-            # Samples of sheets lie behind those of bodies.
-            body = -1
-            if s < body_of.shape[0]:
-                body = body_of[s]
+        for e in range(begin[i], begin[i] + size[i]):
+            body = body_of[solid[e]]
             if body >= 0:
-                d = x - samples[s].xyz
-                gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
-                gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
-                arm = x - vector(inertia, body, 0)
-                given += gradient.dot(vector(answer, body, 0) + vector(answer, body, 3).cross(arm))
-        push[i].w = given
+                arm = position[i].xyz + ahead * velocity[i].xyz - vector(inertia, body, 0)
+                given += pull[e].xyz.dot(vector(answer, body, 0) + vector(answer, body, 3).cross(arm))
+        push[i].w = rest_density * given
 
 
 @ti.kernel

@@ -2,21 +2,21 @@
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.double import Integers, Numbers, Vectors
 from sim.double import vec3 as vec3d
+from sim.fluid.adhesion import adhesion
+from sim.fluid.boundary.half_space import along_faces
+from sim.fluid.forces import SOFTENING, artificial
+from sim.fluid.friction import sample_friction
 from sim.fluid.kernel import cubic_slope
-from sim.fluid.moving import beyond
-from sim.fluid.reaction_sums import force_on_sample, pressure_on_sample
-from sim.fluid.walls import along_walls
+from sim.fluid.listed import beyond
 
 
 @ti.kernel
 def move(
     count: ti.i32,
     points: ti.i32,
-    first: ti.i32,
-    body: ti.i32,
     depth: ti.f64,
     weight: ti.f64,
     origin: vec3d,
@@ -44,8 +44,8 @@ def move(
         moves = w[0] * speed[i] + w[1] * speed[j] + w[2] * speed[k]
         here[s] = vec4(ti.cast(on_sheet - depth * normal, real), ti.cast(volume, real))
         facing[s] = vec4(ti.cast(normal, real), ti.cast(normal.dot(on_sheet), real))
-        samples[first + s] = here[s]
-        velocity[first + s] = vec4(ti.cast(moves, real), ti.cast(body, real))
+        samples[s] = here[s]
+        velocity[s] = vec4(ti.cast(moves, real), 0.0)
     fastest = ti.cast(0.0, ti.f64)
     for i in range(points):
         ti.atomic_max(fastest, speed[i].norm())
@@ -65,15 +65,9 @@ def face(count: ti.i32, facing: Vec4Array, position: Vec4Array, size: IntArray, 
         size[s] = left
 
 
-@ti.func
-def _force_of(wrench: ti.template()) -> vec3d:
-    return vec3d(wrench[0], wrench[1], wrench[2])
-
-
 @ti.kernel
 def push_back(
     count: ti.i32,
-    first: ti.i32,
     h: real,
     mass: real,
     rest_density: real,
@@ -83,9 +77,12 @@ def push_back(
     near_index: IntTable,
     samples: Vec4Array,
     sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
     has_pressure: ti.template(),
     has_grip: ti.template(),
     sample_viscosity: real,
@@ -96,40 +93,39 @@ def push_back(
     adhesion_strength: real,
     force: Vectors,
 ):
-    """Forces on samples that positions and velocities give [N]."""
+    """Forces on samples that positions and velocities give [N]: the opposite of what they do to the particles near
+    them, by `sim.fluid.momentum` and `sim.fluid.adhesion`."""
     for s in range(count):
-        wrench = force_on_sample(
-            first + s,
-            s,
-            vec3(0.0),
-            h,
-            mass,
-            rest_density,
-            position,
-            velocity,
-            near_size,
-            near_index,
-            samples,
-            sample_velocity,
-            wall_count,
-            wall_fit,
-            planes,
-            has_pressure,
-            has_grip,
-            sample_viscosity,
-            nearest_sample,
-            has_damping,
-            damping_strength,
-            has_adhesion,
-            adhesion_strength,
-        )
-        force[s] = _force_of(wrench)
+        inverse_h = 1.0 / h
+        slope_norm = 8.0 / ti.math.pi * inverse_h**5
+        softening = SOFTENING * h * h
+        total = vec3d(0.0, 0.0, 0.0)
+        b, moves = samples[s], sample_velocity[s].xyz
+        for k in range(near_size[s]):
+            i = near_index[s, k]
+            x, v = position[i], velocity[i]
+            d = x.xyz - b.xyz
+            r2 = d.dot(d)
+            strength = rest_density * slope_norm * b.w
+            gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+            a = vec3(0.0)
+            if ti.static(has_pressure):
+                a -= along_faces(i, x.w * gradient, begin, solids_near, face, held, fit, inverse_h)
+            if ti.static(has_damping):
+                a += artificial((v.xyz - moves).dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
+            if ti.static(has_grip):
+                grip = sample_viscosity * sample_friction(d, v.xyz - moves, nearest_sample, inverse_h)
+                a += strength / v.w * grip
+            if ti.static(has_adhesion):
+                r = ti.max(ti.sqrt(r2), 1e-6 * h)
+                a -= adhesion_strength * b.w * adhesion(r * inverse_h) / r * d
+            total -= ti.cast(mass * a, ti.f64)
+        force[s] = total
 
 
 @ti.kernel
 def press(
     count: ti.i32,
-    first: ti.i32,
     ahead: real,
     h: real,
     mass: real,
@@ -141,33 +137,29 @@ def press(
     near_size: IntArray,
     near_index: IntTable,
     samples: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
     force: Vectors,
 ):
-    """Forces of pressures on samples [N]."""
+    """Forces of pressures on samples [N], which are in w, or where they are `found` already in x."""
     for s in range(count):
-        wrench = pressure_on_sample(
-            first + s,
-            s,
-            vec3(0.0),
-            ahead,
-            h,
-            mass,
-            rest_density,
-            position,
-            velocity,
-            pressure,
-            found,
-            near_size,
-            near_index,
-            samples,
-            wall_count,
-            wall_fit,
-            planes,
-        )
-        force[s] = _force_of(wrench)
+        inverse_h = 1.0 / h
+        strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
+        total = vec3d(0.0, 0.0, 0.0)
+        b = samples[s]
+        for k in range(near_size[s]):
+            i = near_index[s, k]
+            x = position[i].xyz + ahead * velocity[i].xyz
+            d = x - b.xyz
+            gradient = strength * b.w * cubic_slope(d.norm() * inverse_h) * d
+            gradient = along_faces(i, gradient, begin, solids_near, face, held, fit, inverse_h)
+            q = pressure[i].x if ti.static(found) else pressure[i].w
+            total += ti.cast(mass * q * gradient, ti.f64)
+        force[s] = total
 
 
 @ti.kernel
@@ -204,10 +196,12 @@ def give_way(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    first: ti.i32,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
     sway: Vectors,
     push: Vec4Array,
 ):
@@ -219,9 +213,8 @@ def give_way(
         given = ti.cast(0.0, real)
         for k in range(sample_size[i]):
             s = sample_index[i, k]
-            if s >= first:
-                d = x - samples[s].xyz
-                gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
-                gradient = along_walls(position[i].xyz, gradient, wall_count, wall_fit, planes, inverse_h)
-                given += gradient.dot(ti.cast(sway[s - first], real))
+            d = x - samples[s].xyz
+            gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
+            gradient = along_faces(i, gradient, begin, solids_near, face, held, fit, inverse_h)
+            given += gradient.dot(ti.cast(sway[s], real))
         push[i].w = given if fresh != 0 else push[i].w + given

@@ -16,8 +16,8 @@ import taichi as ti
 from sim.cloth.tables import incidence, integers, numbers, vectors
 from sim.fluid import sheet_sums
 from sim.fluid.calibration import sample_depth, sample_volume, sample_weight
+from sim.fluid.listed import Listed
 from sim.fluid.momentum import Momentum
-from sim.fluid.moving import Listed
 from sim.fluid.system import FluidSystem
 from sim.neighbors import NeighborList
 
@@ -75,24 +75,22 @@ class SheetSamples(Listed):
     """Samples on both sides of sheets.
 
     pattern: their places; spacing and support_radius [m] of the fluid; search_radius [m] within which they are listed;
-    origin of the fluid's coordinates [m]; body: what `velocity.w` says of them; points: how many corners there are.
+    origin of the fluid's coordinates [m]; points: how many corners there are.
     `place` [m] and `speed` [m/s] of all corners, in double precision, say where they are.
     """
 
     def __init__(
         self,
-        first: int,
         pattern: Pattern,
         points: int,
         spacing: float,
         support_radius: float,
         search_radius: float,
         origin: np.ndarray,
-        body: int,
     ):
         count = 2 * len(pattern.share)
-        super().__init__(first, count, search_radius, faced=True)
-        self.pattern, self.points, self.body = pattern, points, body
+        super().__init__(count, search_radius)
+        self.pattern, self.points = pattern, points
         corners = np.repeat(pattern.corners, 2, axis=0)
         # The sign of the share says for which side a sample is.
         sides = np.tile([1.0, -1.0], len(pattern.share))
@@ -111,8 +109,6 @@ class SheetSamples(Listed):
         return sheet_sums.move(
             self.count,
             self.points,
-            self.first,
-            self.body,
             self._depth,
             self._weight,
             self._origin,
@@ -155,10 +151,9 @@ class SheetReaction:
     def forces(self, momentum: Momentum, load: ti.Ndarray) -> None:
         """Loads of the forces that positions and velocities give."""
         system, sheets = self.system, self._make_room()
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, boundary = system.particles, system.boundary
         sheet_sums.push_back(
             sheets.count,
-            sheets.first,
             system.h,
             system.mass,
             system.spec.rest_density,
@@ -168,17 +163,15 @@ class SheetReaction:
             self.near.index,
             boundary.samples,
             boundary.velocity,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            *boundary.faces.lists,
             momentum.pressure,
             momentum.grip.walls > 0,
             momentum.grip.samples,
             momentum.grip.nearest,
             momentum.damping > 0,
             momentum.damping,
-            momentum.adhesion > 0,
-            momentum.adhesion,
+            momentum.adhesion is not None,
+            momentum.adhesion.samples if momentum.adhesion else 0.0,
             self._force,
         )
         self._spread(load)
@@ -187,10 +180,9 @@ class SheetReaction:
         """Loads of the pressures in position.w, or where they are `found` in search.x; pairs act where particles will
         be `ahead` [s]."""
         system, sheets = self.system, self._make_room()
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, boundary = system.particles, system.boundary
         sheet_sums.press(
             sheets.count,
-            sheets.first,
             ahead,
             system.h,
             system.mass,
@@ -202,9 +194,7 @@ class SheetReaction:
             self.near.size,
             self.near.index,
             boundary.samples,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            *boundary.faces.lists,
             self._force,
         )
         self._spread(load)
@@ -213,7 +203,7 @@ class SheetReaction:
         """Add to push.w, or begin there where `fresh`, by how much the ways [m] of corners, over `per_way` [s^2], lower
         the second derivative of densities [kg/(m^3 s^2)]."""
         system, sheets = self.system, self._make_room()
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, boundary = system.particles, system.boundary
         sheet_sums.sway(sheets.count, 1.0 / per_way, sheets.corners, sheets.weights, way, self._sway)
         sheet_sums.give_way(
             system.count,
@@ -226,10 +216,7 @@ class SheetReaction:
             boundary.samples,
             boundary.neighbors.size,
             boundary.neighbors.index,
-            sheets.first,
-            walls.count,
-            walls.fit,
-            walls.planes,
+            *boundary.faces.lists,
             self._sway,
             particles.push,
         )

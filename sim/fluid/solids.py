@@ -1,37 +1,31 @@
-"""What all solids together add to the density of a particle, and how hard it is pressed against them."""
+"""What samples of sheets add to the density of a particle, and how hard it is pressed against them."""
 
 import taichi as ti
 
 from sim.arrays import IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_slope
-from sim.fluid.walls import wall_share
 
 
 @ti.func
-def solid_share(
+def sheet_share(
     x: vec3,
     row: ti.i32,
     samples_near: ti.i32,
     sample_index: IntTable,
     samples: Vec4Array,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
     inverse_h: real,
-    has_boundary: ti.template(),
 ) -> vec4:
     """Density at x over the rest density in w, and its gradient [1/m]; the samples are those listed in `row`."""
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
     share = ti.cast(0.0, real)
     gradient = vec3(0.0)
-    if ti.static(has_boundary):
-        for k in range(samples_near):
-            b = samples[sample_index[row, k]]
-            d = x - b.xyz
-            q = d.norm() * inverse_h
-            share += norm * b.w * cubic(q)
-            gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
-    return vec4(gradient, share) + wall_share(x, wall_count, wall_fit, planes, inverse_h)
+    for k in range(samples_near):
+        b = samples[sample_index[row, k]]
+        d = x - b.xyz
+        q = d.norm() * inverse_h
+        share += norm * b.w * cubic(q)
+        gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
+    return vec4(gradient, share)
 
 
 @ti.func

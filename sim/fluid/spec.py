@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from sim.geometry.spec import ClosedShape, MeshFace, Placement
 from sim.settings import Name, Settings
 from sim.units import (
+    AngularVelocity,
     Density,
     Dimensionless,
     Duration,
@@ -19,16 +20,39 @@ from sim.units import (
     PositiveSpeed,
     SurfaceTension,
     Velocity,
+    VelocityGradient,
     VolumeRate,
 )
+
+DIVERGENCE_TOLERANCE = 1e-6
+"""Share of the greatest number of a velocity gradient by which its diagonal may miss zero: numbers are typed."""
 
 
 class FluidBody(Placement):
     """A volume filled with fluid at the start, or when an event adds it."""
 
     shape: ClosedShape
+    packing: Literal["auto", "lattice", "relaxed"] = "auto"
+    """How particles begin: on the cubic `lattice`, which is at rest in a tank, or `relaxed`, without order as in a
+    fluid that has flowed, which keeps its volume in whatever direction it is drawn out. `auto` takes the lattice for
+    boxes and cylinders."""
     velocity: Velocity = (0.0, 0.0, 0.0)
-    """Initial velocity of every particle [m/s]."""
+    """Initial velocity at `position` [m/s]: of every particle, where there is no other setting of velocities."""
+    angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
+    """Initial spin about `position` [rad/s]: adds omega x (x - position) to the velocity."""
+    velocity_gradient: VelocityGradient = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    """Initial gradient G [1/s], three rows: adds G (x - position) to the velocity, in the world's axes. The sum of the
+    diagonal is zero, since the fluid keeps its volume."""
+
+    @model_validator(mode="after")
+    def _keeps_volume(self) -> Self:
+        rows = self.velocity_gradient
+        divergence = sum(rows[axis][axis] for axis in range(3))
+        if abs(divergence) > DIVERGENCE_TOLERANCE * max(abs(value) for row in rows for value in row):
+            raise ValueError(
+                f"velocity_gradient must not compress the fluid: its diagonal adds up to {divergence:.4g} /s, not to 0"
+            )
+        return self
 
 
 class Disc(Settings):

@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, Particles, Vec4Array, real, vec3
-from sim.fluid.boundary import Boundary
+from sim.arrays import Declared, DoubleTable, IntArray, Particles, Vec4Array, real, vec3
+from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.kernel import particle_mass
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
-from sim.fluid.walls import Walls, wall_depth
 from sim.neighbors import HashGrid, NeighborList
 
 if TYPE_CHECKING:
@@ -41,9 +40,11 @@ class Measure:
     not_finite: int
     beyond_walls: int
     too_fast: int
+    fallen: int
+    """Particles that have left the scene for good."""
 
 
-STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0)
+STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
@@ -123,7 +124,6 @@ class FluidSystem:
         self,
         spec: Fluid,
         gravity: np.ndarray,
-        walls: Walls,
         boundary: Boundary,
         extra: tuple[Declared, ...] = (),
         skin: float = 0.0,
@@ -132,10 +132,7 @@ class FluidSystem:
         self.spec = spec
         self.implicit_viscosity = implicit_viscosity
         self.gravity = gravity
-        self.walls = walls
         self.boundary = boundary
-        self.wall_damping = 0.0
-        """Artificial viscosity against solids, alpha c [m/s]; the solver's choice."""
         self.h = spec.support_radius
         self.mass = particle_mass(spec.spacing, self.h, spec.rest_density)
         self.particles = Particles(PARTICLES + extra, 0)
@@ -143,28 +140,25 @@ class FluidSystem:
         self.neighbors = NeighborList(64)
         self._skin = skin * self.h
         self._way_left = 0.0
+        self.remembers = hasattr(self.particles, "pressed")
+        """Whether it is kept which pressures acted where in the step, for who asks for them."""
         self.forgetful = True
         """Whether what particles remember of the last step only to be faster is lost."""
-        self._partial = ti.ndarray(ti.f64, (BLOCKS, 15))
+        self._partial = ti.ndarray(ti.f64, (BLOCKS, 16))
         self.measured = STILL
         """What the last measure said."""
+        self.momentum: Momentum | None = None
+        """The solver's forces that positions and velocities give."""
         self.flow: Exchange | None = None
         self.bodies: Bodies | None = None
-        self.squeezed_out = 0
-        """Particles taken out since this was last set to zero."""
-        self._squeezed = None
-        if boundary.moving:
-            from sim.fluid.squeezed import Squeezed
-
-            self._squeezed = Squeezed(boundary, walls, spec.spacing, self.h)
 
     @property
     def lists(self) -> tuple[ti.Ndarray | bool, ...]:
-        """Neighbours as kernels take them: size and index of the lists of particles, whether there are samples, the
-        samples, and size and index of their lists."""
+        """Neighbours as kernels take them: size and index of the lists of particles, whether there are samples of
+        sheets, the samples, and size and index of their lists."""
         boundary = self.boundary
         near, near_samples = self.neighbors, boundary.neighbors
-        return near.size, near.index, boundary.count > 0, boundary.samples, near_samples.size, near_samples.index
+        return near.size, near.index, boundary.sampled > 0, boundary.samples, near_samples.size, near_samples.index
 
     @property
     def count(self) -> int:
@@ -175,12 +169,12 @@ class FluidSystem:
         self.particles.load(state)
         self.begin_frame()
 
-    def begin_frame(self) -> None:
+    def begin_frame(self) -> bool:
         """Choose the hash by the present count and forget the neighbours and what else is not saved, so that a run that
-        goes on from a checkpoint does the same."""
-        self.grid.fit(self.count)
+        goes on from a checkpoint does the same; returns whether particles have to be sorted anew before all else."""
         self._way_left = 0.0
         self.forgetful = True
+        return self.grid.fit(self.count)
 
     def exchange(self, dt: float) -> None:
         """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet."""
@@ -194,34 +188,41 @@ class FluidSystem:
             self.flow.lead()
 
     def find_neighbors(self, way: float = float("inf")) -> None:
-        """Sort the particles by cell and list their neighbours, of the fluid and of the boundary.
+        """Sort the particles by cell, list their neighbours, of the fluid and of the boundary, and find what solids are
+        to them where all are now.
 
         `way`: how far [m] any of them has moved at most since the last call; lists are kept while they hold all pairs.
         """
         self._way_left -= way
-        if not self.count or self._way_left > 0:
+        if not self.count:
+            return
+        if self._way_left > 0:
+            self.boundary.place(self.particles.position, self.particles.velocity, self.count, 0.0)
             return
         self._way_left = self._skin / 2
         self.particles.reorder(self.grid.sort(self.particles.position, self.count))
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
-        self.boundary.find_neighbors(position, self.count)
-        if self._squeezed:
-            removed = self._squeezed.remove(self.particles)
-            if removed:
-                self.squeezed_out += removed
-                self.forgetful = True
-                self._way_left = 0.0
-                self.find_neighbors()
-                return
+        self.find_solids()
+        self.boundary.faces.sever(position, self.count, self.neighbors)
         if self.bodies:
             self.bodies.list()
 
-    def measure(self, way: float, speed_limit: float, level: float) -> Measure:
+    def find_solids(self) -> None:
+        """List the solids near particles as they lie, which need not be sorted."""
+        self.boundary.find_neighbors(self.particles.position, self.particles.velocity, self.count)
+
+    def pressures(self) -> np.ndarray:
+        """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
+        found = self.particles.numpy("position")[:, 3].astype(np.float64)
+        return found + self.particles.numpy("pressed")[:, 3] if self.remembers else found
+
+    def measure(self, way: float, speed_limit: float, level: float, depth: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
 
         A particle is too fast above `speed_limit` [m/s], unless it gained the speed by falling from
-        where gravity's potential is `level` [m^2/s^2].
+        where gravity's potential is `level` [m^2/s^2]. It has no pace where it falls alone under there, and has fallen
+        out of the scene `depth` [m^2/s^2] further down.
         """
         if not self.count:
             self.measured = STILL
@@ -232,13 +233,16 @@ class FluidSystem:
             self.particles.velocity,
             self.particles.acceleration,
             self.spec.rest_density,
-            self.walls.count,
-            self.walls.planes,
+            self.neighbors.size,
+            self.boundary.faces.begin,
+            self.boundary.faces.size,
+            self.boundary.faces.face,
             self.h / 2,
             vec3(*self.gravity),
             way,
             speed_limit,
             level,
+            depth,
             self._partial,
         )
         table = self._partial.to_numpy()
@@ -255,6 +259,7 @@ class FluidSystem:
             not_finite=int(total[12]),
             beyond_walls=int(total[13]),
             too_fast=int(total[14]),
+            fallen=int(total[15]),
         )
         return self.measured
 
@@ -271,24 +276,29 @@ def _measure(
     velocity: Vec4Array,
     acceleration: Vec4Array,
     rest_density: real,
-    wall_count: ti.i32,
-    planes: Vec4Array,
+    near: IntArray,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
     deepest: real,
     gravity: vec3,
     way: real,
     speed_limit: real,
     level: real,
+    depth: real,
     partial: DoubleTable,
 ):
     for block in range(BLOCKS):
-        row = ti.Vector([0.0] * 15, dt=ti.f64)
+        row = ti.Vector([0.0] * 16, dt=ti.f64)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
             x, v, a = position[i], velocity[i], acceleration[i]
             v2, a2 = v.xyz.dot(v.xyz), a.xyz.dot(a.xyz)
             row[0] = ti.max(row[0], v2)
             row[1] = ti.max(row[1], a2)
-            row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + way * ti.sqrt(a2)))
+            fallen = gravity.dot(x.xyz) + level
+            if near[i] > 0 or solids_near[i] > 0 or fallen <= deepest * gravity.norm():
+                row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + way * ti.sqrt(a2)))
             row[3] += v2
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
@@ -304,10 +314,12 @@ def _measure(
             )
             if not finite:
                 row[12] += 1.0
-            if wall_depth(x.xyz, wall_count, planes) > deepest:
-                row[13] += 1.0
-            fallen = ti.max(gravity.dot(x.xyz) + level, 0.0)
-            if v2 > speed_limit * speed_limit + 2.0 * fallen:
+            for e in range(begin[i], begin[i] + solids_near[i]):
+                if face[e].w < -deepest:
+                    row[13] += 1.0
+            if v2 > speed_limit * speed_limit + 2.0 * ti.max(fallen, 0.0):
                 row[14] += 1.0
-        for column in ti.static(range(15)):
+            if fallen > depth:
+                row[15] += 1.0
+        for column in ti.static(range(16)):
             partial[block, column] = row[column]

@@ -14,15 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, IntTable, Vec4Array, numpy_real, real, vec3, vec4
-from sim.fluid.drag_sums import bend_of, go, turn
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, numpy_real, real, vec3, vec4
+from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.drag_sums import COLUMNS, bend_of, go, search_at, turn
 from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.friction import (
+    face_friction,
+    face_friction_block,
     find_grip,
-    sample_friction,
-    sample_friction_block,
-    wall_friction,
-    wall_friction_block,
 )
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import BLOCKS, span
@@ -57,15 +56,15 @@ class Viscosity:
         self.settings = system.spec.implicit_viscosity
         self.grip = find_grip(system.spec)
         self._sums = ti.ndarray(ti.f64, (BLOCKS + 1, 5))
-        self._still, self._nobody = ti.ndarray(vec4, 1), ti.ndarray(ti.f64, (1, 1))
+        self._nowhere, self._nobody = ti.ndarray(ti.i32, 1), ti.ndarray(ti.f64, (1, COLUMNS))
         self._dragged: Drag | None = None
 
     def _drag(self) -> "Drag | None":
         """The part of bodies that obey forces, if there are any that the fluid sticks to."""
-        if self._dragged is None and self.system.bodies and self.grip.samples > 0:
+        if self._dragged is None and self.system.bodies and self.grip.walls > 0:
             from sim.fluid.drag import Drag
 
-            self._dragged = Drag(self.system, self.grip)
+            self._dragged = Drag(self.system)
         return self._dragged
 
     def apply(self, dt: float) -> dict[str, float]:
@@ -80,7 +79,6 @@ class Viscosity:
         while not solved and iterations < self.settings.max_iterations:
             for _ in range(min(CHECK, self.settings.max_iterations - iterations)):
                 if drag:
-                    drag.push()
                     self._iterate(PUSH, viscosity)
                     drag.pull()
                     self._iterate(DESCEND, viscosity)
@@ -100,7 +98,7 @@ class Viscosity:
 
     def _begin(self, dt: float, viscosity: float) -> None:
         system = self.system
-        particles, boundary, walls = system.particles, system.boundary, system.walls
+        particles, boundary = system.particles, system.boundary
         _begin(
             system.count,
             0.0 if system.forgetful else dt,
@@ -110,8 +108,6 @@ class Viscosity:
             system.spec.rest_density,
             viscosity,
             self.grip.walls > 0,
-            viscosity * self.grip.samples / system.spec.viscosity,
-            self.grip.nearest,
             particles.position,
             particles.velocity,
             particles.slowing,
@@ -119,19 +115,18 @@ class Viscosity:
             particles.residual,
             particles.inverse,
             particles.inverse_off,
-            *system.lists,
-            boundary.moves,
-            boundary.velocity,
-            walls.count,
-            walls.setback,
-            walls.planes,
+            system.neighbors.size,
+            system.neighbors.index,
+            *boundary.faces.lists,
+            boundary.faces.solid,
+            boundary.shapes.pose,
             self._sums,
         )
         system.forgetful = False
 
     def _iterate(self, part: int, viscosity: float) -> None:
         system, drag = self.system, self._dragged
-        particles, walls = system.particles, system.walls
+        particles, boundary = system.particles, system.boundary
         _iterate(
             part,
             system.count,
@@ -141,8 +136,6 @@ class Viscosity:
             system.spec.rest_density,
             viscosity,
             self.grip.walls > 0,
-            viscosity * self.grip.samples / system.spec.viscosity,
-            self.grip.nearest,
             particles.position,
             particles.velocity,
             particles.slowing,
@@ -151,11 +144,11 @@ class Viscosity:
             particles.image,
             particles.inverse,
             particles.inverse_off,
-            *system.lists,
-            drag.search if drag else self._still,
-            walls.count,
-            walls.setback,
-            walls.planes,
+            system.neighbors.size,
+            system.neighbors.index,
+            *boundary.faces.lists,
+            boundary.faces.solid,
+            drag.body_of if drag else self._nowhere,
             self._sums,
             drag.table if drag else self._nobody,
         )
@@ -181,8 +174,6 @@ def _begin(
     rest_density: real,
     viscosity: real,
     has_grip: ti.template(),
-    sample_viscosity: real,
-    nearest_sample: real,
     position: Vec4Array,
     velocity: Vec4Array,
     slowing: Vec4Array,
@@ -192,21 +183,20 @@ def _begin(
     inverse_off: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    has_motion: ti.template(),
-    sample_velocity: Vec4Array,
-    wall_count: ti.i32,
-    wall_setback: real,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    solid: IntArray,
+    pose: DoubleTable,
     sums: DoubleTable,
 ):
     """First guess as velocity, v* in slowing, preconditioner, residual and direction.
 
-    remembered: the step [s] over which the last slowing is taken as guess, or zero. viscosity, sample_viscosity: times
-    the step [m^2]. The sums are r.z, a factor of the iteration, and the squares of r, of v - v* and of v*.
+    remembered: the step [s] over which the last slowing is taken as guess, or zero. viscosity: times the
+    step [m^2]. The sums are r.z, a factor of the iteration, and the squares of r, of v - v* and of v*.
     """
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h**3
@@ -231,19 +221,10 @@ def _begin(
             pull += strength * (v.xyz - vj.xyz).dot(d) * d
         if ti.static(has_grip):
             heavy = rest_density / v.w
-            if ti.static(has_boundary):
-                for k in range(sample_size[i]):
-                    b = samples[sample_index[i, k]]
-                    rest = heavy * slope_norm * sample_viscosity * b.w
-                    one = rest * sample_friction_block(x - b.xyz, nearest_sample, inverse_h)
-                    block -= one
-                    relative = v.xyz
-                    if ti.static(has_motion):
-                        relative -= sample_velocity[sample_index[i, k]].xyz
-                    pull += one @ relative
-            walls = heavy * viscosity * wall_friction_block(x, wall_count, planes, wall_setback, spacing, inverse_h)
-            block -= walls
-            pull += walls @ v.xyz
+            for e in range(begin[i], begin[i] + solids_near[i]):
+                one = face_weight[e] * heavy * viscosity * face_friction_block(face[e], spacing, inverse_h)
+                block -= one
+                pull += one @ (v.xyz - surface_velocity(solid[e], x, pose))
         mended = block.inverse()
         inverse[i] = vec4(mended[0, 0], mended[1, 1], mended[2, 2], mended[0, 1])
         inverse_off[i] = vec4(mended[0, 2], mended[1, 2], 0.0, 0.0)
@@ -284,8 +265,6 @@ def _iterate(
     rest_density: real,
     viscosity: real,
     has_grip: ti.template(),
-    sample_viscosity: real,
-    nearest_sample: real,
     position: Vec4Array,
     velocity: Vec4Array,
     slowing: Vec4Array,
@@ -296,14 +275,14 @@ def _iterate(
     inverse_off: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    sample_search: Vec4Array,
-    wall_count: ti.i32,
-    wall_setback: real,
-    planes: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    solid: IntArray,
+    body_of: IntArray,
     sums: DoubleTable,
     bodies: DoubleTable,
 ):
@@ -328,15 +307,13 @@ def _iterate(
             pull *= mass * slope_norm
             if ti.static(has_grip):
                 heavy = rest_density / p.w
-                if ti.static(has_boundary):
-                    for k in range(sample_size[i]):
-                        b, moved = samples[sample_index[i, k]], p.xyz
-                        if ti.static(part == PUSH):
-                            moved -= sample_search[sample_index[i, k]].xyz
-                        friction = sample_friction(x - b.xyz, moved, nearest_sample, inverse_h)
-                        pull += heavy * slope_norm * sample_viscosity * b.w * friction
-                walls = wall_friction(x, p.xyz, wall_count, planes, wall_setback, spacing, inverse_h)
-                pull += heavy * viscosity * walls
+                for e in range(begin[i], begin[i] + solids_near[i]):
+                    moved = p.xyz
+                    if ti.static(part == PUSH):
+                        body = body_of[solid[e]]
+                        if body >= 0:
+                            moved -= search_at(bodies, body, x)
+                    pull += face_weight[e] * heavy * viscosity * face_friction(face[e], moved, spacing, inverse_h)
             image[i].xyz = p.xyz - pull
         for block in range(BLOCKS):
             bend = ti.cast(0.0, ti.f64)

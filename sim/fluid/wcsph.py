@@ -1,6 +1,6 @@
 """Weakly compressible SPH (Becker & Teschner 2007), advanced by velocity Verlet.
 
-Density      rho_i = sum_j m W_ij + rho0 (sum_b V_b W_ib + walls)                     Akinci 2012, eq. 6
+Density      rho_i = sum_j m W_ij + rho0 (half-spaces of solids + samples of sheets)
 Pressure     p_i = B ((rho_i / rho0)^7 - 1), B = rho0 c^2 / 7, never negative          Becker & Teschner 2007, eq. 7
 """
 
@@ -8,13 +8,12 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec4
+from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real
 from sim.fluid.kernel import cubic
 from sim.fluid.limits import force_limit, light_limit
 from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.system import FluidSystem, Measure
-from sim.fluid.walls import wall_share
 from sim.neighbors import itself, padded
 
 GAMMA = 7.0
@@ -37,7 +36,6 @@ class Wcsph:
         self.stiffness = spec.rest_density * self.speed_of_sound**2 / GAMMA
         self.artificial = 0.5 * spec.wcsph.artificial_viscosity * self.speed_of_sound * system.h
         damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
-        system.wall_damping = spec.wcsph.wall_damping * self.speed_of_sound
         self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
         self.mixing = Mixing(system)
 
@@ -56,7 +54,9 @@ class Wcsph:
         self.system.lead()
 
     def restore(self) -> None:
-        """Go on from a checkpoint: it holds all that a step begins with."""
+        """Go on from a checkpoint: it holds all that a step begins with but where solids are to particles."""
+        self.system.find_solids()
+        self.system.neighbors.forget(self.system.count)
 
     def advance(self, dt: float) -> dict[str, float]:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
@@ -67,6 +67,7 @@ class Wcsph:
             told = self.system.bodies.drift(dt)
             self.system.bodies.hold_off(dt)
         boundary.move()
+        boundary.hold_off(particles.position, particles.velocity, self.system.count)
         way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         self.system.exchange(dt)
         self._accelerate(way)
@@ -90,9 +91,7 @@ class Wcsph:
             particles.position,
             particles.velocity,
             *system.lists,
-            system.walls.count,
-            system.walls.fit,
-            system.walls.planes,
+            system.boundary.faces.share,
         )
         self.momentum.accelerate()
 
@@ -122,13 +121,11 @@ def _density(
     velocity: Vec4Array,
     size: IntArray,
     index: IntTable,
-    has_boundary: ti.template(),
+    has_samples: ti.template(),
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    wall_count: ti.i32,
-    wall_fit: vec4,
-    planes: Vec4Array,
+    solids: Vec4Array,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -139,13 +136,13 @@ def _density(
             near += cubic((x - position[index[i, k]].xyz).norm() * inverse_h)
         # The padding repeats the particle itself, whose W h^3 pi / 8 is 1.
         density = mass * norm * (near + itself(size[i]))
-        if ti.static(has_boundary):
+        if ti.static(has_samples):
             solid = ti.cast(0.0, real)
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
-        density += rest_density * wall_share(x, wall_count, wall_fit, planes, inverse_h).w
+        density += rest_density * solids[i].w
         ratio = density / rest_density
         ratio2 = ratio * ratio
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
 # How many points stand for the surface in the search tree; more points, fewer candidate triangles.
 _COVER_POINTS = 100_000
+_FEW_POINTS = 5_000
 _NEIGHBOURS = (8, 32)
 # Cover radii from the surface beyond which the first candidates are near enough to the best.
 _FAR = 10.0
@@ -23,13 +26,18 @@ class MeshDistance:
     0.5 % of d.
     """
 
-    def __init__(self, mesh: trimesh.Trimesh):
+    def __init__(self, mesh: trimesh.Trimesh, *, cover_points: int = _COVER_POINTS):
+        """With fewer `cover_points` more triangles are tried, and points deep inside are soon compared with all."""
         self._corners = np.array(mesh.vertices, dtype=np.float64)[mesh.faces]
-        points, self._face, self._radius = cover(self._corners, _COVER_POINTS)
+        points, self._face, self._radius = cover(self._corners, cover_points)
         self._tree = cKDTree(points)
 
-    def closest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Closest points of the surface [m], shape [n, 3], distances [m], shape [n], and faces, shape [n]."""
+    def closest(self, points: np.ndarray, *, sure: bool = True) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Closest points of the surface [m], shape [n, 3], distances [m], shape [n], and faces, shape [n].
+
+        Without `sure` the first candidates do: a fraction of the cost, and the answer is high by less than
+        rho^2 / (2 d) everywhere.
+        """
         points = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         foot = np.empty_like(points)
         distance = np.full(len(points), np.inf)
@@ -52,13 +60,26 @@ class MeshDistance:
                 row = np.arange(len(query))
                 foot[query], distance[query] = feet[row, best], lengths[row, best]
                 face[query] = candidates[row, best]
-                if neighbours < self._tree.n:
+                if sure and neighbours < self._tree.n:
                     near_surface = distance[query] < _FAR * self._radius
                     undecided.append(query[near_surface & (reach[:, -1] < distance[query] + self._radius)])
             open_queries = np.concatenate(undecided) if undecided else np.empty(0, dtype=np.int64)
             if len(open_queries) == 0:
                 break
         return foot, distance, face
+
+    def within(self, points: np.ndarray, reach: float) -> np.ndarray:
+        """The indices of all points [m], shape [n, 3], that are nearer than `reach` [m], and of some others."""
+        tree, radius = self._rough
+        nearest, _ = tree.query(points, distance_upper_bound=reach + radius)
+        return np.flatnonzero(np.isfinite(nearest))
+
+    @functools.cached_property
+    def _rough(self) -> tuple[cKDTree, float]:
+        """Few points that cover the surface, which points as far from many of them as from one are soon compared
+        with, and their cover radius [m]."""
+        points, _, radius = cover(self._corners, _FEW_POINTS)
+        return cKDTree(points), radius
 
     def unsigned(self, points: np.ndarray) -> np.ndarray:
         """Distances [m] from points [m], shape [n, 3]; shape [n]."""

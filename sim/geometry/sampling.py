@@ -1,8 +1,7 @@
-"""Particles that fill solids and samples that cover surfaces."""
+"""Samples that cover surfaces."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,44 +14,6 @@ if TYPE_CHECKING:
 
 # Lattice points tried, or samples placed, beyond which memory runs out long before a film would be done.
 _MOST_POINTS = 500_000_000
-# Share of the spacing by which an edge may miss a multiple of it: lengths are typed with few digits.
-_EDGE_TOLERANCE = 1e-3
-
-
-def sample_volume(solid: Solid, spacing: float) -> np.ndarray:
-    """Particle positions [m], shape [n, 3], that fill a solid with one particle a cube of `spacing` [m].
-
-    A cubic lattice, centred in the solid: along the edges of a box, which it fills with as many whole layers as fit
-    (the first half a spacing from the face), and along the world's axes in the bounding box of any other shape, of
-    which the points inside are kept. n spacing^3 is then the volume of a box whose edges are multiples of the
-    spacing, and converges to the volume of other shapes. Sorted by x, then y, then z (of the box's own frame).
-
-    Raises `Refused` for a shape without volume, one in which not a single particle fits, or too many points.
-    """
-    if not solid.closed or not math.isfinite(solid.volume):
-        raise Refused(
-            "the shape has no volume to fill",
-            remedy="Use a closed shape: box, sphere, cylinder, capsule, torus or a closed mesh",
-        )
-    if isinstance(solid, BoxSolid):
-        layers = np.floor(solid.size * solid.pose.scale / spacing + _EDGE_TOLERANCE)
-        _check_number(float(layers.prod()), spacing)
-        centred = [(np.arange(int(number)) - (number - 1) / 2) * spacing for number in layers]
-        points = np.stack(np.meshgrid(*centred, indexing="ij"), axis=-1).reshape(-1, 3)
-        points = points @ solid.pose.rotation.T + solid.pose.position
-    else:
-        low, high = solid.bounds
-        layers = np.maximum(1, np.ceil((high - low) / spacing - _EDGE_TOLERANCE))
-        _check_number(float(layers.prod()), spacing)
-        shape = tuple(int(number) for number in layers)
-        origin = (low + high) / 2 - (layers - 1) / 2 * spacing
-        points = origin + spacing * np.argwhere(solid.contains_lattice(origin, spacing, shape))
-    if len(points) == 0:
-        raise Refused(
-            f"no particle fits into the shape: it is thinner than the spacing of {spacing:.4g} m",
-            remedy="Make the shape larger or the particle radius smaller",
-        )
-    return points
 
 
 def sample_surface(surface: trimesh.Trimesh | Solid, spacing: float) -> np.ndarray:
@@ -77,7 +38,7 @@ def sample_surface(surface: trimesh.Trimesh | Solid, spacing: float) -> np.ndarr
 def _lattice_on_box(box: BoxSolid, spacing: float) -> np.ndarray:
     size = box.size * box.pose.scale
     steps = np.array([_steps(length, spacing) for length in size])
-    _check_number(float(2 * (steps[0] * steps[1] + steps[1] * steps[2] + steps[2] * steps[0])), spacing)
+    check_number(float(2 * (steps[0] * steps[1] + steps[1] * steps[2] + steps[2] * steps[0])), spacing)
     sides = []
     for axis in range(3):
         others = [other for other in range(3) if other != axis]
@@ -93,7 +54,7 @@ def _lattice_on_box(box: BoxSolid, spacing: float) -> np.ndarray:
 def _lattice_on_sheet(sheet: SheetSolid, spacing: float) -> np.ndarray:
     size = sheet.size * sheet.pose.scale
     steps = np.array([_steps(length, spacing) for length in size])
-    _check_number(float(steps.prod()), spacing)
+    check_number(float(steps.prod()), spacing)
     grid = np.stack(np.meshgrid(*(np.arange(number + 1) for number in steps), indexing="ij"), axis=-1).reshape(-1, 2)
     flat = (grid / steps - 0.5) * size
     points = np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]])
@@ -109,7 +70,7 @@ def _steps(length: float, spacing: float) -> int:
 def _scattered(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
     from sim.geometry import cache, distance, scatter, thinning, topology
 
-    _check_number(topology.surface_area(mesh) / spacing**2, spacing)
+    check_number(topology.surface_area(mesh) / spacing**2, spacing)
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     stored = cache.cached(
         "scatter",
@@ -121,7 +82,8 @@ def _scattered(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
     return stored["points"]
 
 
-def _check_number(number: float, spacing: float) -> None:
+def check_number(number: float, spacing: float) -> None:
+    """Raises `Refused` for more points than memory holds."""
     if not spacing > 0:
         raise ValueError(f"spacing must be positive, got {spacing}")
     if number > _MOST_POINTS:

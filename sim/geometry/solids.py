@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from sim.geometry.repair import RepairReport
 
 
+UP = np.array([0.0, 1.0, 0.0])
+
+
 @dataclass(frozen=True)
 class Pose:
     """World point = position + scale * rotation @ local point."""
@@ -102,6 +105,21 @@ class Solid(ABC):
     @abstractmethod
     def signed_distance(self, points: np.ndarray) -> np.ndarray:
         """Distance to the surface, negative inside [m], shape [n]."""
+
+    def distance_and_slope(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Signed distance [m] of points [m], shape [n, 3], and its gradient, the unit vector out of the solid; shapes
+        [n] and [n, 3].
+
+        Where the gradient jumps, as on a ridge, it is that of one side or a mean of both. A mesh looks no further than
+        `reach` [m]: points beyond are infinitely far, and their gradient is 0; and it looks quickly, see
+        `MeshDistance.closest`.
+        """
+        step = 1e-6 * float(np.ptp(self.mesh.bounds, axis=0).max())
+        corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
+        around = [self.signed_distance(points + step * corner) for corner in corners]
+        slope = np.stack(around, axis=1) @ corners
+        length = np.linalg.norm(slope, axis=1, keepdims=True)
+        return self.signed_distance(points), np.where(length > 0, slope / np.maximum(length, 1e-300), UP)
 
     def contains_lattice(self, origin: np.ndarray, spacing: float, shape: tuple[int, int, int]) -> np.ndarray:
         """Whether the points of a cubic lattice, whose first point is `origin` [m], lie inside; bool array of `shape`.
@@ -299,6 +317,9 @@ class PlaneSolid(Solid):
     def signed_distance(self, points: np.ndarray) -> np.ndarray:
         return (np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.pose.position) @ self.normal
 
+    def distance_and_slope(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        return self.signed_distance(points), np.tile(self.normal, (len(points), 1))
+
     def mass_properties(self, density: float) -> MassProperties:
         raise Refused("a plane has no finite mass", remedy="Let it be static, or use a box")
 
@@ -341,6 +362,17 @@ class MeshSolid(Solid):
     def signed_distance(self, points: np.ndarray) -> np.ndarray:
         distance = self._distance.unsigned(points)
         return np.where(self.contains(points), -distance, distance)
+
+    def distance_and_slope(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        sign = np.where(self.contains(points), -1.0, 1.0)
+        distance, slope = np.full(len(points), np.inf), np.zeros((len(points), 3))
+        near = self._distance.within(points, reach)
+        foot, distance[near], face = self._distance.closest(points[near], sure=False)
+        # On the surface the way from its nearest point says nothing.
+        on = distance[near] < 1e-9 * float(np.ptp(self.bounds, axis=0).max())
+        away = sign[near, None] * (points[near] - foot) / np.maximum(distance[near], 1e-300)[:, None]
+        slope[near] = np.where(on[:, None], self.mesh.face_normals[face], away)
+        return sign * distance, slope
 
     @functools.cached_property
     def _of_unit_density(self) -> MassProperties:

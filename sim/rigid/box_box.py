@@ -48,7 +48,9 @@ def box_box(
     best, face, owner = ti.cast(-ti.math.inf, ti.f64), 0, 0
     normal = vec3(0.0)
     for which in range(6):
-        axis = _column(turn_a, which) if which < 3 else _column(turn_b, which - 3)
+        axis = _column(turn_a, which % 3)
+        if which >= 3:
+            axis = _column(turn_b, which % 3)
         reach = _extent(turn_a, half_a, axis) + _extent(turn_b, half_b, axis)
         apart = abs(away.dot(axis)) - reach
         # The faces of a come first where both are as good, so that the choice does not flicker.

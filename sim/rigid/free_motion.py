@@ -56,16 +56,18 @@ def move(
     count: ti.i32,
     dt: ti.f64,
     free: Integers,
+    led: Integers,
     inverse_inertia: Matrices,
     old_velocity: Vectors,
     free_velocity: Vectors,
     motion: Motion,
 ):
-    """Carry free bodies on for dt [s]: on a parabola, exactly, where nothing was met."""
+    """Carry free bodies on for dt [s]: on a parabola, exactly, where nothing was met; those `led` by their velocities
+    at the end of the step, as the fluid that moves them is (symplectic Euler)."""
     for b in range(count):
         if free[b] == 1:
             way = dt * motion.velocity[b]
-            if (motion.velocity[b] - free_velocity[b]).norm_sqr() == 0.0:
+            if led[b] == 0 and (motion.velocity[b] - free_velocity[b]).norm_sqr() == 0.0:
                 way = 0.5 * dt * (old_velocity[b] + motion.velocity[b])
             motion.position[b] += way
             motion.rotation[b] = spun(motion.rotation[b], motion.momentum[b], inverse_inertia[b], dt)

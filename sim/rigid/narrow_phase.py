@@ -5,8 +5,7 @@ import math
 import taichi as ti
 
 from sim.double import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
-from sim.rigid.box_box import box_box
-from sim.rigid.fields import (
+from sim.geometry.fields import (
     BOX,
     CAPSULE,
     CYLINDER,
@@ -22,6 +21,7 @@ from sim.rigid.fields import (
     distance_to_sphere,
     distance_to_torus,
 )
+from sim.rigid.box_box import box_box
 from sim.rigid.manifold import FEW, MOST, Found, add
 from sim.rigid.rotation import rotation_of
 from sim.rigid.shapes import AXIS, CIRCLE, POINT, SEGMENT

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim.double import vec3
+from sim.geometry.fields import PLANE
 from sim.movement import Movement
 from sim.rigid import contact_solver, free_motion, gather, restitution
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
-from sim.rigid.fields import PLANE
 from sim.rigid.narrow_phase import find_contacts
 from sim.rigid.pulls import pulled
 from sim.rigid.spec import Rigid
@@ -55,7 +55,17 @@ class RigidPart:
     bodies: planes last; settings: of the solver. Positions are in world coordinates, of the bodies' pivots.
     """
 
-    def __init__(self, bodies: Sequence[Body], gravity: np.ndarray, settings: Rigid, state: RigidState):
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        gravity: np.ndarray,
+        settings: Rigid,
+        state: RigidState,
+        *,
+        bottom: float = -np.inf,
+    ):
+        """Under the height `bottom` [m] a body is out of the scene: its speed does not limit the steps of others."""
+        self.bottom = bottom
         self.bodies = bodies
         self.settings = settings
         self.gravity = np.asarray(gravity, dtype=np.float64)
@@ -110,6 +120,8 @@ class RigidPart:
         )
         self.fluid_force, self.fluid_torque = np.zeros((2, self.count, 3))
         """Of the fluid on bodies, about their centres of mass [N] and [N m]; whoever couples them keeps them."""
+        self.led = np.zeros(self.count, np.int32)
+        """1 where a body is to go by its velocity at the end of a step; likewise."""
         row = {name: index for index, name in enumerate(state.names)}
         for k in np.flatnonzero(self.free):
             if self.bodies[k].name in row:
@@ -125,6 +137,9 @@ class RigidPart:
             "inverse_inertia": np.zeros((self.count, 3, 3)),
         }
         self._motion = _motion(shared, self.velocity, self.spin, self.momentum)
+        self._began = self.position.copy()
+        """Where bodies were when contacts were found, before they moved [m]."""
+        self._met = _motion(shared | {"position": self._began}, self.velocity, self.spin, self.momentum)
         # Others of the same bodies: before the step, at its end without contact, while blows pass on, while parting.
         self._old, self._free, self._blow, self._apart = (np.zeros((3, self.count, 3)) for _ in range(4))
         self._blown, self._parting = _motion(shared, *self._blow), _motion(shared, *self._apart)
@@ -202,7 +217,10 @@ class RigidPart:
         self._contacts = self._find(dt)
         if self._contacts:
             self._press()
-        free_motion.move(self.count, dt, self._mobile, self._inverse_inertia, self._old[0], self._free[0], self._motion)
+        self._began[:] = self.position
+        free_motion.move(
+            self.count, dt, self._mobile, self.led, self._inverse_inertia, self._old[0], self._free[0], self._motion
+        )
 
     def _steer(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Velocities that take bodies to where they are to be."""
@@ -326,7 +344,7 @@ class RigidPart:
             tables.gap,
             *self._old[:2],
             *self._free[:2],
-            self._motion,
+            self._met,
             tables.pressed,
             tables.restitution,
             tables.extra,
@@ -373,7 +391,7 @@ class RigidPart:
             SHARE,
             PARTING * least,
             tables.gap,
-            self._motion,
+            self._met,
             tables.pressed,
             tables.apart,
             tables.thrust,
@@ -389,12 +407,14 @@ class RigidPart:
         free = self.free
         velocity, spin, mass = self.velocity[free], self.spin[free], self.mass[free]
         speed, turning = np.linalg.norm(velocity, axis=1), np.linalg.norm(spin, axis=1)
+        highest = self._reach[free] - self.position[free] @ self.gravity / max(np.linalg.norm(self.gravity), 1e-300)
+        present = highest > self.bottom
         everything = np.concatenate((self.position[free], self.rotation[free], velocity, spin), axis=1)
         return RigidMeasure(
             kinetic_energy=float(0.5 * mass @ speed**2 + 0.5 * (self.momentum[free] * spin).sum()),
             potential_energy=-float(mass @ (self.position[free] @ self.gravity)),
             v_max=float((speed + self._reach[free] * turning).max(initial=0.0)),
-            pace=float((speed / self.size[free]).max(initial=0.0)),
+            pace=float((speed / self.size[free])[present].max(initial=0.0)),
             spin_max=float(turning.max(initial=0.0)),
             momentum=mass @ velocity,
             finite=bool(np.isfinite(everything).all()),

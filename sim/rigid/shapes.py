@@ -12,18 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.geometry import cache, distance, edges, normal_cones, scatter, thinning, winding
-from sim.geometry.solids import (
-    BoxSolid,
-    CapsuleSolid,
-    CylinderSolid,
-    MeshSolid,
-    SheetSolid,
-    Solid,
-    SphereSolid,
-    TorusSolid,
-)
-from sim.rigid.fields import BOX, CAPSULE, CYLINDER, GRID, PLANE, SPHERE, TORUS
+from sim.geometry import cache, distance, edges, fields, normal_cones, scatter, thinning, winding
+from sim.geometry.fields import GRID, PLANE
+from sim.geometry.primitives import primitive
+from sim.geometry.solids import MeshSolid, Solid
 
 POINT, SEGMENT, CIRCLE, AXIS = range(4)
 CELLS = 64
@@ -106,38 +98,25 @@ def plane_shape(normal: np.ndarray, offset: float) -> ContactShape:
 
 def contact_shape(solid: Solid, *, hollow: bool = False) -> ContactShape:
     """The shape of a placed solid; the mesh of a large file is thinned."""
-    scale, turn, place = solid.pose.scale, solid.pose.rotation, solid.pose.position
-    features = Features()
-    match solid:
-        case SphereSolid():
-            radius = scale * solid.radius
+    if isinstance(solid, MeshSolid):
+        return _mesh_shape(solid, hollow)
+    shape, features = primitive(solid), Features()
+    radius, length = shape.size[:2]
+    match shape.kind:
+        case fields.SPHERE:
             features.add(POINT, np.zeros(3), rounding=radius)
-            kind, size, half = SPHERE, np.full(3, radius), np.full(3, radius)
-        case BoxSolid():
-            half = scale * solid.size / 2
-            _add_box(features, half)
-            kind, size = BOX, half
-        case CapsuleSolid():
-            radius, length = scale * solid.radius, scale * solid.height / 2
+        case fields.BOX:
+            _add_box(features, shape.half)
+        case fields.CAPSULE:
             features.add(SEGMENT, np.zeros(3), np.array([0, length, 0]), radius)
-            kind, size, half = CAPSULE, np.array([radius, length, 0]), np.array([radius, length + radius, radius])
-        case CylinderSolid():
-            radius, length = scale * solid.radius, scale * solid.height / 2
+        case fields.CYLINDER:
             for end in (length, -length):
                 features.add(CIRCLE, np.array([0, end, 0]), np.array([radius, 0, 0]))
             features.add(AXIS, np.zeros(3), np.array([0, length, 0]), radius)
-            kind, size, half = CYLINDER, np.array([radius, length, 0]), np.array([radius, length, radius])
-        case TorusSolid():
-            radius, tube = scale * solid.radius, scale * solid.tube_radius
-            features.add(CIRCLE, np.zeros(3), np.array([radius, 0, 0]), tube)
-            kind, size, half = TORUS, np.array([radius, tube, 0]), np.array([radius + tube, tube, radius + tube])
-        case SheetSolid():
-            half = scale * np.array([solid.size[0] / 2, 0, solid.size[1] / 2])
-            _add_box(features, half)
-            kind, size = BOX, half
-        case MeshSolid():
-            return _mesh_shape(solid, hollow)
-    return ContactShape(kind, size, features, place, turn, np.array([-half, half]), hollow=hollow)
+        case fields.TORUS:
+            features.add(CIRCLE, np.zeros(3), np.array([radius, 0, 0]), length)
+    bounds = np.array([-shape.half, shape.half])
+    return ContactShape(shape.kind, shape.size, features, shape.origin, shape.turn, bounds, hollow=hollow)
 
 
 def _add_box(features: Features, half: np.ndarray) -> None:

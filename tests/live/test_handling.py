@@ -34,6 +34,7 @@ def stage(tmp_path):
     stage.close()
 
 
+@pytest.mark.slow
 def test_a_hand_holds_a_body_releases_cloth_and_closes_a_tap(stage):
     session = stage.session
     page = Page(session, host="127.0.0.1", port=0)

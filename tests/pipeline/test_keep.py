@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.pipeline.conftest import TARGET
 
 KEEP = ("--config", "keep=film")
 
 
+@pytest.mark.slow
 def test_only_the_film_is_kept(fresh):
     fresh.make(TARGET, *KEEP)
     assert (fresh.film / "pond.mp4").exists()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 
+import pytest
+
 from tests import falling_ball
 
 SCENE = falling_ball.scene(
@@ -19,6 +21,7 @@ render:
 TARGET = "wedges/ball"
 
 
+@pytest.mark.slow
 def test_a_wedge_from_start_to_end(fresh):
     scene = fresh.folder / "scenes" / "ball.yaml"
     scene.write_text(SCENE)

@@ -15,6 +15,7 @@ import pytest
 
 from sim import stepping
 from sim.failure import Fault, find_fault
+from tests import rounding
 from tests.particles import read_frame
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,7 +69,7 @@ def environment() -> dict[str, str]:
 
 def segment_command(scene: dict[str, Any], out: Path, frames: str, *options: Any) -> list[str]:
     settings = ["--spec", json.dumps(scene), "--folder", str(out.parent), "--frames", frames, "--out", str(out)]
-    return [sys.executable, "-m", "sim.segment", *settings, "--arch", "cpu", *map(str, options)]
+    return [sys.executable, "-m", rounding.segment(), *settings, "--arch", "cpu", *map(str, options)]
 
 
 def run_segment(scene: dict[str, Any], out: Path, frames: str, *options: Any) -> subprocess.CompletedProcess[str]:

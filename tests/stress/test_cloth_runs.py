@@ -37,6 +37,7 @@ def test_a_pin_that_is_let_go_falls(simulate):
     assert heights[-1] < heights[2] < 0.2231
 
 
+@pytest.mark.slow
 @pytest.mark.outcome("C")
 def test_solids_that_leave_no_room_stop_the_run(tmp_path):
     plate = {"shape": {"type": "box", "size": [0.6, 0.1, 0.6]}}

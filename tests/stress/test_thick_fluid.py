@@ -17,6 +17,7 @@ BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "positi
 THICK_ON_A_BALL = THICK | {"rigid__bodies": {"ball": BALL}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
 def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
     scene = pool(fluid__solver=solver, **THICK_ON_A_BALL)

@@ -14,6 +14,7 @@ SHEET = {"shape": {"type": "sheet", "size": [0.3, 0.3]}, "spacing": 0.05, "pins"
 STRETCHING = [pytest.param("wcsph", marks=pytest.mark.slow), "dfsph"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", STRETCHING)
 def test_two_parts_are_the_whole(simulate, solver):
     """Also where samples are laid anew as the cloth stretches, and where pins are let go."""

@@ -2,8 +2,8 @@
 
 Their channel was 2.25 inch deep in the third direction; here a thin slab of it between two planes stands for it.
 Front and height are read from particles: the front is the end of the farthest slab of one spacing that holds at least
-half of one layer of particles, so that neither a lone drop nor the film ahead of it counts; the height is the same
-upwards, over the half of the column's width next to the wall.
+half of one layer of particles, so that neither a lone drop nor the film ahead of it counts; the height is where rows
+of one spacing are half full, over the half of the column's width next to the wall.
 """
 
 from __future__ import annotations
@@ -82,10 +82,13 @@ def farthest(x: np.ndarray, spacing: float) -> float:
 
 
 def height(x: np.ndarray, spacing: float) -> float:
-    """Top [m] of the highest row of one spacing that is at least half full, over half of the column's width."""
+    """Where rows of one spacing, over half of the column's width, are half full [m]: on the line from the highest that
+    is as full to the next. A whole row is a fifth of the last height, and a few particles would decide which it is."""
     across = round(A / 2 / spacing)
     number = np.bincount(np.maximum(x[x[:, 0] < across * spacing, 1] // spacing, 0).astype(int))
-    return float(np.flatnonzero(number >= 0.5 * across * DEPTH).max() + 1) * spacing
+    half, number = 0.5 * across * DEPTH, np.append(number, 0)
+    top = np.flatnonzero(number >= half).max()
+    return float(top + 0.5 + (number[top] - half) / (number[top] - number[top + 1])) * spacing
 
 
 @dataclass(frozen=True)

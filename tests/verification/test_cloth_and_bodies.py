@@ -107,6 +107,7 @@ def band(path, radius, hanging, cells):
     return str(write(path, trimesh.Trimesh(points, faces, process=False))), points[[0, cells + 1]], points[[cells, -1]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["xpbd", *in_time("implicit_euler", "symplectic_euler")])
 @pytest.mark.parametrize("friction", [0.2, *in_time(0.5)])
 def test_a_band_is_pulled_over_a_drum(tmp_path, friction, integrator):

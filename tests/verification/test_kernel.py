@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from sim.fluid.calibration import calibrate_wall, lack, sample_depth, sample_weight
+from sim.fluid.calibration import calibrate_wall, lack, sample_depth, sample_volume, sample_weight
 from sim.fluid.kernel import (
     cubic_host,
     cubic_slope_host,
@@ -90,14 +90,16 @@ def test_a_wall_replaces_what_the_lattice_lacks(ratio):
     assert pairs == pytest.approx(-solid, rel=1e-6)
 
 
-def test_samples_replace_what_the_lattice_lacks(taichi):
-    from sim.fluid.samples import sample_volumes
-
-    spacing = H / 2
+@pytest.mark.parametrize("ratio", [1.5, 2.0, 2.5, 3.0])
+def test_samples_of_sheets_replace_what_the_lattice_lacks(ratio):
+    """sum_b V_b W half a spacing off the sheet, with one sample of this depth and volume on each square of the
+    spacing; V = 1 / sum W over the lattice itself (Akinci et al. 2012, eq. 4), times its weight."""
+    spacing = H / ratio
     axis = np.arange(-6, 7) * spacing
     x, z = np.meshgrid(axis, axis)
     flat = np.column_stack((x.ravel(), np.zeros(x.size), z.ravel()))
-    volume = sample_weight(spacing, H) * sample_volumes(flat, H)[len(flat) // 2]
+    volume = sample_volume(spacing, H)
+    assert volume * cubic_host(np.linalg.norm(flat, axis=1), H).sum() == pytest.approx(1.0, rel=1e-12)
     height = sample_depth(spacing, H) + 0.5 * spacing
-    added = volume * cubic_host(np.linalg.norm(flat - [0, height, 0], axis=1), H).sum()
-    assert added == pytest.approx(lack(spacing, H).density, rel=1e-3)
+    added = sample_weight(spacing, H) * volume * cubic_host(np.linalg.norm(flat - [0, height, 0], axis=1), H).sum()
+    assert added == pytest.approx(lack(spacing, H).density, rel=1e-9)

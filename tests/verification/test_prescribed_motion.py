@@ -1,4 +1,4 @@
-"""Where a prescribed body is at any time, in closed form; the samples on the device, and what is written, agree.
+"""Where a prescribed body is at any time, in closed form; the half-spaces on the device, and what is written, agree.
 
 Between keyframes at t0 and t1 the origin is at x0 + s (x1 - x0) and the body is turned by s times the angle about one
 axis, s = (t - t0) / (t1 - t0); so points move at (x1 - x0) / (t1 - t0) + omega x arm, and central differences of
@@ -126,33 +126,54 @@ def test_the_sweep_holds_all_places(case, tmp_path):
 
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.usefixtures("taichi")
-def test_samples_follow_on_the_device(case, tmp_path):
-    """Positions and velocities in single precision, relative to an origin near by."""
-    from sim.coupling.fluid_rigid import boundary_samples, motions, pivots
-    from sim.fluid.boundary import Boundary
+def test_half_spaces_follow_on_the_device(case, tmp_path):
+    """Off the middle of each face of the box, at s along the normal n that moves with it, its half-space is that of n
+    and s, and raises the share u of the density at u'(s) n . (0 - v), v the velocity of the body there; a ball that
+    stands does nothing. In single precision, relative to an origin near by."""
+    import taichi as ti
 
+    from sim.arrays import numpy_real, vec4
+    from sim.coupling.fluid_rigid import boundary_solids, motions
+    from sim.fluid.boundary.faces import Faces
+    from sim.fluid.boundary.half_space import half_space_fit, own_share_host
+    from sim.fluid.boundary.shapes import Shapes
+
+    spacing, h, s = 0.02, 0.04, 0.008
     ball = {"shape": {"type": "sphere", "radius": 0.05}, "position": [0, 0.5, 0]}
     spec = SimulationSpec.model_validate({"rigid": {"bodies": {"ball": ball, "body": CASES[case][0]}}})
     obstacles = find_obstacles(spec, tmp_path)
-    origin = np.array([0.5, 1.0, 1.0])
-    samples = boundary_samples(obstacles, 0.02, 0.016)
-    points, owner = samples.points, samples.owner
-    moved = {index: pivot - origin for index, pivot in pivots(obstacles).items()}
-    boundary = Boundary(samples.moved(-origin), 0.02, 0.04, 0.04, moved)
+    truth, origin = CASES[case][1], np.array([0.5, 1.0, 1.0])
+    shapes = Shapes(boundary_solids(obstacles, spacing, h), origin, spacing, h)
+    faces = Faces(shapes, spacing, h, h)
+    ways = np.vstack((np.eye(3), -np.eye(3)))
+    inner = ways * (0.5 * np.array(BOX["size"]) + s) + 0.1 * ways[:, [1, 2, 0]] * np.array(BOX["size"])[[1, 2, 0]]
+    off_ball = np.array([[0, 0.5 + 0.05 + s, 0]])
+    e, fit = 1e-6 * h, half_space_fit(spacing, h)
+    slope = float(own_share_host(s + e, fit, h) - own_share_host(s - e, fit, h)) / (2 * e)
+    x, v = ti.ndarray(vec4, 7), ti.ndarray(vec4, 7)
+    v.fill(0)
     for time in TIMES[:-1]:
-        boundary.aim(motions(obstacles, origin, time))
-        boundary.move()
+        shapes.move(motions(obstacles, origin, time))
         now = obstacles.placed[1].movement(time)
-        place, velocity, volumes = boundary.of_body(1)
-        expected = now.carry(points[owner == 1])
-        np.testing.assert_allclose(place + origin, expected, atol=4 * 1.2e-7)
-        np.testing.assert_allclose(velocity, now.velocity_at(expected), atol=8 * 1.2e-7)
-        assert boundary.speed >= np.linalg.norm(velocity, axis=1).max() * (1 - 1e-6)
-        still, at_rest, _ = boundary.of_body(0)
-        stands = points[owner == 0]
-        np.testing.assert_allclose(np.sort(still + origin, axis=0), np.sort(stands, axis=0), atol=1e-14)
-        assert not at_rest.any()
-    assert (volumes > 0).all()
+        place, turn = truth(time)
+        points, normals = inner @ turn.T + place, ways @ turn.T
+        here = np.concatenate((points, off_ball)) - origin
+        x.from_numpy(np.column_stack((here, np.zeros(7))).astype(numpy_real))
+        faces.find(x, 7)
+        faces.place(x, v, 7, 0.0)
+        np.testing.assert_array_equal(faces.size.to_numpy()[:7], 1)
+        entry = faces.begin.to_numpy()[:7]
+        np.testing.assert_array_equal(faces.solid.to_numpy()[entry], [1] * 6 + [0])
+        found = faces.face.to_numpy()[entry]
+        np.testing.assert_allclose(found[:6, :3], normals, atol=4 * 1.2e-7)
+        np.testing.assert_allclose(found[:6, 3], s, atol=8 * 1.2e-7)
+        np.testing.assert_allclose(found[6, :3], [0, 1, 0], atol=1e-5)
+        rate, speed = faces.rate.to_numpy()[:7], now.velocity_at(points)
+        wanted = -slope * (normals * speed).sum(axis=1)
+        np.testing.assert_allclose(rate[:6], wanted, atol=2e-4 * abs(slope) * max(np.abs(speed).max(), 1e-3))
+        assert rate[6] == 0
+        corners = now.carry(obstacles.placed[1].solid.mesh.vertices)
+        assert shapes.speed >= np.linalg.norm(now.velocity_at(corners), axis=1).max() * (1 - 1e-6)
 
 
 def test_frames_tell_where_a_body_is(simulate):
@@ -182,8 +203,9 @@ def test_a_scene_in_which_nothing_moves_loads_nothing_for_it(tmp_path, motion):
     done = finish([sys.executable, "-c", code, *options], tmp_path)
     modules = set(json.loads(done.stdout.splitlines()[-1]))
     assert "sim.coupling.fluid_rigid" in modules
-    assert ({"sim.fluid.moving", "sim.prescribed", "sim.movement"} <= modules) == bool(motion)
-    assert bool(modules & {"sim.fluid.moving", "sim.prescribed", "sim.movement"}) == bool(motion)
+    assert not modules & {"sim.fluid.listed", "sim.coupling.film", "sim.coupling.floating"}
+    assert ({"sim.prescribed", "sim.movement"} <= modules) == bool(motion)
+    assert bool(modules & {"sim.prescribed", "sim.movement"}) == bool(motion)
 
 
 def test_steps_land_on_keyframes(simulate):
@@ -228,7 +250,7 @@ def test_fluid_that_an_event_adds_keeps_off_a_body_where_it_is_then(simulate):
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_steps_follow_the_speed_of_a_body(simulate, solver):
-    """The fastest sample and the fluid together move by no more than cfl h / 2, while it moves."""
+    """The fastest point of it and the fluid together move by no more than cfl h / 2, while it moves."""
     speed, cfl, half = 20.0, 0.4, 0.04
     ball = {
         "shape": {"type": "sphere", "radius": 0.05},

@@ -107,6 +107,7 @@ def test_bounces(tmp_path, upper, lower, restitution):
     assert np.abs(bodies.spin[0]).max() * 0.1 < 1e-3 * np.sqrt(2 * G * drop)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lower", ["plane", *in_time("box", "mesh")])
 def test_a_round_mesh_slides_like_a_body_of_its_mass(tmp_path, lower):
     """a = g (sin(theta) - mu cos(theta)) where friction is half of what rolling takes."""

@@ -52,17 +52,19 @@ def test_the_floor_carries_the_weight():
 @pytest.mark.parametrize("beside", [-0.5, 0.5])
 @pytest.mark.parametrize(("width", "height"), [(0.1, 0.3), (0.2, 0.2)])
 def test_a_box_on_a_slope_topples(width, height, beside):
-    """When tan(theta) = width / height, to half a degree."""
+    """When tan(theta) = width / height, to half a degree. What topples may go on to its next side, and the one after:
+    it counts how far it has turned at any time, not where it is at the end."""
     angle = np.arctan(width / height) + np.radians(beside)
     up = np.array([np.sin(angle), np.cos(angle), 0]) * height / 2
     surface = {"friction": 3.0}
     body = box((width, height, 0.2), position=list(up), rotation=turn((0, 0, 1), -angle), **surface)
     bodies = part({"box": body, "slope": ground(angle, **surface)})
-    step(bodies, 1.5)
+    turned = []
+    step(bodies, 1.5, lambda _: turned.append(abs(tilt(bodies) - angle)))
     if beside < 0:
-        assert tilt(bodies) == pytest.approx(angle, abs=1e-3)
+        assert max(turned) < 1e-3
     else:
-        assert abs(tilt(bodies) - angle) > np.radians(5)
+        assert max(turned) > np.radians(45)
 
 
 def test_deep_overlap_is_undone_slowly():

@@ -21,9 +21,9 @@ G, RHO = 9.81, 1000.0
     # trapezoidal rule at both ends: first order.
     [
         (0.0, {}, 0.002),
-        (1.0, {}, 0.05),
+        pytest.param(1.0, {}, 0.05, marks=pytest.mark.slow),
         pytest.param(0.0, {"adhesion": 20}, 0.002, marks=pytest.mark.slow),
-        (0.0, {"viscosity": 0.05, "viscosity_solver": "explicit"}, 0.05),
+        pytest.param(0.0, {"viscosity": 0.05, "viscosity_solver": "explicit"}, 0.05, marks=pytest.mark.slow),
         (0.0, {"viscosity": 0.05, "viscosity_solver": "implicit"}, 0.05),
     ],
     ids=["pressure", "damping", "adhesion", "explicit", "implicit"],

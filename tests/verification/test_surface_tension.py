@@ -109,16 +109,27 @@ def test_a_drop_oscillates_as_lamb_says(tmp_path):
     assert 0.85 * omega < np.hypot(found[1], found[2]) < 1.03 * omega
 
 
+def corners(x: np.ndarray) -> float:
+    """3/5 less the mean of x^4 + y^4 + z^4 over that of r^4: 0.126 in a cube, none in a ball."""
+    x = x - x.mean(axis=0)
+    return 0.6 - float((x**4).sum(axis=1).mean() / ((x**2).sum(axis=1) ** 2).mean())
+
+
 @pytest.mark.parametrize("model", ["becker2007", "akinci2013"])
 def test_a_cube_becomes_a_ball(tmp_path, model):
-    """Corners of a cube are sqrt(3) times as far out as its faces; of a ball, as near. The attraction of Becker &
-    Teschner packs particles so tightly that they keep some of their shape."""
+    """A ball to two standard errors of as many particles at random places in one, sqrt(16/525 * 49/33 / n) each. The
+    attraction of Becker & Teschner packs particles so tightly that they keep some of their shape: only that most of
+    the corners go is tested. A mean over all particles, as the last digits decide how far out a single one stays."""
     spec = drop(6, "cube", surface_tension_model=model, viscosity=thick(6) / 10)
     run(spec, tmp_path, 15)
     first, last = (positions(read_frame(tmp_path, frame)) for frame in (0, 15))
-    outer = [np.linalg.norm(x - x.mean(axis=0), axis=1).max() for x in (first, last)]
-    ball = (len(first) * 3 / (4 * np.pi)) ** (1 / 3) * SPACING
-    assert outer[1] - ball < {"becker2007": 0.6, "akinci2013": 0.1}[model] * (outer[0] - ball)
+    # What is thrown off at the start, when corners are drawn in, is no part of the drop.
+    away = np.linalg.norm(last - np.median(last, axis=0), axis=1) > 9 * SPACING
+    assert away.sum() <= 0.01 * len(last)
+    last = last[~away]
+    error = np.sqrt(16 / 525 * 49 / 33 / len(last))
+    assert corners(first) == pytest.approx(0.126, rel=0.05)
+    assert abs(corners(last)) < {"becker2007": corners(first) / 2, "akinci2013": 2 * error}[model]
 
 
 @pytest.mark.parametrize("solver", ["wcsph", "dfsph"])
@@ -151,29 +162,27 @@ def test_the_second_term_adds_to_the_tension_what_its_constant_says():
 
 
 def test_steps_resolve_capillary_waves(tmp_path):
-    """dt < sqrt(rho (h/2)^3 / (4 pi sigma)) (Brackbill et al. 1992)."""
+    """dt < sqrt(rho (h/2)^3 / (4 pi sigma)) (Brackbill et al. 1992), to the nine digits of the table."""
     run(drop(4), tmp_path, 5)
     limit = np.sqrt(RHO * (H / 2) ** 3 / (4 * np.pi * SIGMA))
-    assert 0.5 * limit < steps(tmp_path)["dt"].max() <= limit
+    assert 0.5 * limit < steps(tmp_path)["dt"].max() <= (1 + 1e-8) * limit
 
 
 def adhesive(points: np.ndarray, walls: str):
-    """Accelerations [m/s^2] by adhesion alone at points [m] above the plane y = 0, and above samples of one."""
+    """Accelerations [m/s^2] by adhesion alone at points [m] above y = 0, a `plane`, or the face of a `box`."""
     from sim.fluid.adhesion import Adhesion
-    from sim.fluid.boundary import Boundary
-    from sim.fluid.calibration import SAMPLE_DEPTH
-    from sim.fluid.samples import Samples
+    from sim.fluid.boundary.boundary import Boundary
+    from sim.fluid.boundary.shapes import BoundarySolid, Shapes, half_space
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.fluid.walls import Walls
+    from sim.geometry.fields import BOX
+    from sim.geometry.primitives import Primitive
 
     spec = Fluid(particle_radius=SPACING / 2, adhesion=SIGMA)
-    axis = np.arange(-10, 10) * SPACING
-    x, z = (values.ravel() for values in np.meshgrid(axis, axis))
-    samples = np.column_stack((x, np.full(len(x), -SAMPLE_DEPTH * SPACING), z))[: len(x) if walls == "samples" else 0]
-    planes = np.array([[0.0, 1.0, 0.0, 0.0]])[: walls == "planes"]
-    boundary = Boundary(Samples.of_faces(samples), SPACING, H, H, {})
-    system = FluidSystem(spec, np.zeros(3), Walls(planes, SPACING, H), boundary)
+    half = np.array([10.0, 4.0, 10.0]) * SPACING
+    box = BoundarySolid(Primitive(BOX, half, np.array([0.0, -half[1], 0.0]), np.eye(3), half))
+    solid = half_space(np.array([0.0, 1.0, 0.0]), 0.0) if walls == "plane" else box
+    system = FluidSystem(spec, np.zeros(3), Boundary(Shapes([solid], np.zeros(3), SPACING, H), SPACING, H, H))
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
     tag[:, 0] = np.arange(len(points))
@@ -195,20 +204,20 @@ def test_a_wall_adheres_as_the_integral_over_its_half_space_says(taichi):
 
     q = np.linspace(0.05, 0.95, 19)
     points = np.column_stack((0 * q, q * H, 0 * q))
-    a = adhesive(points, "planes")
+    a = adhesive(points, "plane")
     wanted = np.array([integral(y) for y in q])
     np.testing.assert_allclose(a[:, 1] / a[5, 1], wanted / wanted[5], atol=2e-3)
     np.testing.assert_allclose(a[:, [0, 2]], 0, atol=1e-6 * np.abs(a).max())
 
 
-@pytest.mark.parametrize(("walls", "tolerance"), [("planes", 0.01), ("samples", 0.05)])
-def test_the_work_of_adhesion_is_what_the_setting_says(taichi, walls, tolerance):
-    """rho0 times the integral of y a(y), in the mean over the places above the samples."""
+@pytest.mark.parametrize("walls", ["plane", "box"])
+def test_the_work_of_adhesion_is_what_the_setting_says(taichi, walls):
+    """rho0 times the integral of y a(y)."""
     rng = np.random.default_rng(2)
     y = (np.arange(20_000) + 0.5) / 20_000 * H
     points = np.column_stack((rng.uniform(0, SPACING, len(y)), y, rng.uniform(0, SPACING, len(y))))
     a = adhesive(points, walls)
-    assert -RHO * (y * a[:, 1]).mean() * H == pytest.approx(SIGMA, rel=tolerance)
+    assert -RHO * (y * a[:, 1]).mean() * H == pytest.approx(SIGMA, rel=0.01)
 
 
 def test_a_drop_spreads_further_on_a_plate_that_it_adheres_to(tmp_path):
@@ -228,20 +237,19 @@ def test_a_drop_spreads_further_on_a_plate_that_it_adheres_to(tmp_path):
 
 def test_pairs_beyond_the_support_do_not_count(taichi):
     """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
-    from sim.fluid.boundary import Boundary
-    from sim.fluid.samples import Samples
+    from sim.fluid.boundary.boundary import Boundary
+    from sim.fluid.boundary.shapes import Shapes
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
     from sim.fluid.tension import ARRAYS, Tension
-    from sim.fluid.walls import Walls
 
     spec = Fluid(particle_radius=SPACING / 2, surface_tension=SIGMA, surface_tension_model="akinci2013")
     rng = np.random.default_rng(5)
     points = np.column_stack((rng.uniform(0, 6 * SPACING, (200, 3)), np.zeros(200))).astype(np.float32)
     found = []
     for skin in (0.0, 0.3):
-        boundary = Boundary(Samples.of_faces(np.zeros((0, 3))), SPACING, H, H, {})
-        system = FluidSystem(spec, np.zeros(3), Walls(np.zeros((0, 4)), SPACING, H), boundary, ARRAYS, skin)
+        boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
+        system = FluidSystem(spec, np.zeros(3), boundary, ARRAYS, skin)
         density = np.tile(np.array([0, 0, 0, RHO], np.float32), (200, 1))
         tag = np.column_stack((np.arange(200), np.zeros(200))).astype(np.int32)
         system.load({"position": points, "velocity": density, "acceleration": 0 * points, "tag": tag})

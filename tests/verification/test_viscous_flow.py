@@ -78,40 +78,43 @@ def points() -> np.ndarray:
     return disordered(np.random.default_rng(1))
 
 
-PLANES = {"planes": 2, "samples": 0, "floor": 1, "belt": 1}
-"""How many of the walls are planes."""
+DEEP = 4 * SPACING
+"""Half of how deep boxes are in place of walls [m]."""
+PLACES = {"none": "", "planes": "pp", "boxes": "bb", "floor": "p", "belt": "pm"}
+"""What the lower and the upper wall are: a plane, a box, or a box that moves."""
 
 
 def channel(points: np.ndarray, walls: str, g: float, **settings):
     """A system of particles at rest at these points, driven along x with g [m/s^2].
 
-    walls: two `planes`, two sheets of `samples`, only a plane below (`floor`), or also a `belt` of samples above that
-    runs with 1 m/s.
+    walls: `none`, two `planes`, two `boxes`, only a plane below (`floor`), or also a `belt` above, a box that runs with
+    1 m/s.
     """
     from sim.fluid import projection
-    from sim.fluid.boundary import Boundary
-    from sim.fluid.calibration import SAMPLE_DEPTH
+    from sim.fluid.boundary.boundary import Boundary
+    from sim.fluid.boundary.shapes import BoundarySolid, Shapes, half_space
     from sim.fluid.mixing import mixing_arrays
-    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.fluid.walls import Walls
+    from sim.geometry.fields import BOX as CUBOID
+    from sim.geometry.primitives import Primitive
 
     spec = Fluid(particle_radius=SPACING / 2, viscosity=NU, **settings)
-    planes = np.array([[0, 1, 0, 0], [0, -1, 0, -GAP]], dtype=float)[: PLANES[walls]]
-    depth = SAMPLE_DEPTH * SPACING
-    sheets = {"samples": (-depth, GAP + depth), "belt": (GAP + depth,)}.get(walls, ())
-    along, across = (np.arange(-2 * SPACING, length + 2 * SPACING, SPACING) for length in BOX[[0, 2]])
-    x, z = (values.ravel() for values in np.meshgrid(along, across))
-    samples = np.concatenate([np.zeros((0, 3)), *(np.column_stack((x, np.full(len(x), y), z)) for y in sheets)])
-    runs = {0: np.zeros(3)} if walls == "belt" else {}
-    boundary = Boundary(Samples.of_faces(samples), SPACING, H, H, runs)
-    boundary.aim(np.array([[*np.eye(3).ravel(), 0, 0, 0, 1, 0, 0, 0, 0, 0]], dtype=float))
+    half, solids, motions = np.array([0.5 * BOX[0] + DEEP, DEEP, 0.5 * BOX[2] + DEEP]), [], []
+    for kind, sign, place in zip(PLACES[walls], (1.0, -1.0), (0.0, GAP), strict=False):
+        if kind == "p":
+            solids.append(half_space(np.array([0.0, sign, 0.0]), sign * place))
+            continue
+        origin = np.array([0.5 * BOX[0], place - sign * DEEP, 0.5 * BOX[2]])
+        moves = kind == "m"
+        solids.append(BoundarySolid(Primitive(CUBOID, half, origin, np.eye(3), half), pivot=origin if moves else None))
+        motions += [[*np.eye(3).ravel(), *origin, 1, 0, 0, 0, 0, 0]] * moves
+    boundary = Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H)
+    boundary.aim(np.array(motions, dtype=float).reshape(-1, 18))
     boundary.move()
     implicit = spec.viscosity_solver == "implicit"
     arrays = projection.ARRAYS + mixing_arrays(spec, implicit)
-    solid = Walls(planes, SPACING, H)
-    system = FluidSystem(spec, np.array([g, 0, 0]), solid, boundary, arrays, implicit_viscosity=implicit)
+    system = FluidSystem(spec, np.array([g, 0, 0]), boundary, arrays, implicit_viscosity=implicit)
     count = len(points)
     at_rest = np.column_stack((np.zeros((count, 3)), np.full(count, spec.rest_density))).astype(np.float32)
     system.load(
@@ -164,7 +167,7 @@ def profile(system) -> tuple[np.ndarray, np.ndarray]:
 
 REDUCED = (0.05, 0.1, 0.2, 0.5)
 """Times nu t / L^2."""
-WALLS = ("planes", "samples")
+WALLS = ("planes", "boxes")
 
 
 @pytest.mark.parametrize("beside", [False, True], ids=["alone", "beside densities"])
@@ -254,8 +257,7 @@ def test_a_shear_wave_decays_as_backward_euler_says(taichi, points):
 def test_viscosity_keeps_momentum_and_angular_momentum(taichi, points, solver):
     """Of a block without walls, from velocities at random; to rounding."""
     rng = np.random.default_rng(3)
-    system = channel(points, "planes", 0.0, viscosity_solver=solver)
-    system.walls.count = 0
+    system = channel(points, "none", 0.0, viscosity_solver=solver)
     velocity = system.particles.velocity.to_numpy()
     velocity[: system.count, :3] = rng.normal([1, -2, 0.5], size=(system.count, 3))
     system.particles.velocity.from_numpy(velocity)
@@ -285,8 +287,7 @@ def totals(system) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("solver", ["explicit", "implicit"])
 def test_a_drop_that_turns_goes_on_turning(taichi, points, solver):
     """Viscosity does nothing to a rotation as of a rigid body."""
-    system = channel(points, "planes", 0.0, viscosity_solver=solver)
-    system.walls.count = 0
+    system = channel(points, "none", 0.0, viscosity_solver=solver)
     x = system.particles.numpy("position")[:, :3].astype(float)
     velocity = system.particles.velocity.to_numpy()
     velocity[: system.count, :3] = np.cross([1.0, 2.0, -3.0], x - BOX / 2)

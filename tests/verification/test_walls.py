@@ -14,31 +14,31 @@ WALLS = np.hstack((np.eye(3), np.zeros((3, 1))))
 """Three planes at right angles, the fluid where all coordinates are positive."""
 
 
-@pytest.fixture
-def share(taichi):
-    """What walls add at points [m], shape [n, 3]: gradient [1/m] and share of the rest density, shape [n, 4]."""
+def faces_at(points, planes):
+    """What solids below `planes`, normals and offsets [m], shape [n, 4], are to points [m], shape [n, 3]."""
     import taichi as ti
 
-    from sim.arrays import Vec4Array, numpy_real, real, vec4
-    from sim.fluid.walls import Walls, wall_share
+    from sim.arrays import numpy_real, vec4
+    from sim.fluid.boundary.faces import Faces
+    from sim.fluid.boundary.shapes import Shapes, half_space
 
-    @ti.kernel
-    def ask(count: ti.i32, x: Vec4Array, walls: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real, out: Vec4Array):
-        for i in range(count):
-            out[i] = wall_share(x[i].xyz, walls, fit, planes, inverse_h)
+    count = len(points)
+    x, v = ti.ndarray(vec4, count), ti.ndarray(vec4, count)
+    x.from_numpy(np.column_stack((points, np.zeros(count))).astype(numpy_real))
+    v.fill(0)
+    faces = Faces(Shapes([half_space(plane[:3], plane[3]) for plane in planes], np.zeros(3), SPACING, H), SPACING, H, H)
+    faces.find(x, count)
+    faces.place(x, v, count, 0.0)
+    return faces
 
-    def at(points, planes):
-        walls, count = Walls(planes, SPACING, H), len(points)
-        x, out = ti.ndarray(vec4, count), ti.ndarray(vec4, count)
-        x.from_numpy(np.column_stack((points, np.zeros(count))).astype(numpy_real))
-        ask(count, x, walls.count, walls.fit, walls.planes, 1 / H, out)
-        return out.to_numpy()
 
-    return at
+def share(points, planes):
+    """What walls add at points [m], shape [n, 3]: gradient [1/m] and share of the rest density, shape [n, 4]."""
+    return faces_at(points, planes).share.to_numpy()[: len(points)]
 
 
 @pytest.mark.parametrize("meeting", [1, 2, 3])
-def test_a_lattice_at_rest_has_its_density_everywhere(share, meeting):
+def test_a_lattice_at_rest_has_its_density_everywhere(taichi, meeting):
     axis = (np.arange(4) + 0.5) * SPACING
     points = np.array(list(itertools.product(axis, repeat=3)))[:, ::-1]
     around = lattice(SPACING, H)
@@ -51,7 +51,7 @@ def test_a_lattice_at_rest_has_its_density_everywhere(share, meeting):
 
 
 @pytest.mark.parametrize("meeting", [1, 2, 3])
-def test_the_gradient_is_that_of_the_share(share, meeting):
+def test_the_gradient_is_that_of_the_share(taichi, meeting):
     points = np.random.default_rng(3).uniform(-0.1 * H, 0.9 * H, (200, 3))
     step = 1e-3 * H
     exact = share(points, WALLS[:meeting])[:, :3]
@@ -68,20 +68,29 @@ def made_good(taichi):
     """B a for accelerations [m/s^2] at points [m], both of shape [n, 3]."""
     import taichi as ti
 
-    from sim.arrays import Vec4Array, numpy_real, real, vec4
-    from sim.fluid.walls import Walls, along_walls
+    from sim.arrays import IntArray, RealArray, Vec4Array, numpy_real, real, vec4
+    from sim.fluid.boundary.half_space import along_faces
 
     @ti.kernel
-    def ask(count: ti.i32, x: Vec4Array, walls: ti.i32, fit: vec4, planes: Vec4Array, inverse_h: real, a: Vec4Array):
+    def ask(
+        count: ti.i32,
+        begin: IntArray,
+        size: IntArray,
+        face: Vec4Array,
+        weight: RealArray,
+        held: RealArray,
+        fit: vec4,
+        inverse_h: real,
+        a: Vec4Array,
+    ):
         for i in range(count):
-            a[i].xyz = along_walls(x[i].xyz, a[i].xyz, walls, fit, planes, inverse_h)
+            a[i].xyz = along_faces(i, a[i].xyz, begin, size, face, held, fit, inverse_h)
 
     def at(points, accelerations, planes):
-        walls, count = Walls(planes, SPACING, H), len(points)
-        x, a = ti.ndarray(vec4, count), ti.ndarray(vec4, count)
-        x.from_numpy(np.column_stack((points, np.zeros(count))).astype(numpy_real))
+        count = len(points)
+        a = ti.ndarray(vec4, count)
         a.from_numpy(np.column_stack((accelerations, np.zeros(count))).astype(numpy_real))
-        ask(count, x, walls.count, walls.fit, walls.planes, 1 / H, a)
+        ask(count, *faces_at(points, planes).lists, 1 / H, a)
         return a.to_numpy()[:, :3]
 
     return at

@@ -21,19 +21,17 @@ def kernel(r: np.ndarray) -> np.ndarray:
 
 def test_velocities_become_what_the_sum_says(taichi):
     """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989)."""
-    from sim.fluid.boundary import Boundary
+    from sim.fluid.boundary.boundary import Boundary
+    from sim.fluid.boundary.shapes import Shapes
     from sim.fluid.mixing import Mixing, mixing_arrays
-    from sim.fluid.samples import Samples
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.fluid.walls import Walls
 
     rng = np.random.default_rng(4)
     x, v, rho = rng.uniform(0, 5 * SPACING, (200, 3)), rng.normal(size=(200, 3)), rng.uniform(500, 1100, 200)
     spec = Fluid(particle_radius=SPACING / 2, xsph=SHARE)
-    boundary = Boundary(Samples.of_faces(np.zeros((0, 3))), SPACING, H, H, {})
-    walls = Walls(np.zeros((0, 4)), SPACING, H)
-    system = FluidSystem(spec, np.zeros(3), walls, boundary, mixing_arrays(spec, False))
+    boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
+    system = FluidSystem(spec, np.zeros(3), boundary, mixing_arrays(spec, False))
     zero = np.zeros((200, 4), np.float32)
     system.load(
         {

@@ -1,4 +1,4 @@
-"""Sampling: particles that carry the right volume, and surfaces that are evenly covered."""
+"""Surfaces that are evenly covered by samples."""
 
 from pathlib import Path
 
@@ -7,9 +7,9 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.geometry.sampling import sample_surface, sample_volume
+from sim.geometry.sampling import sample_surface
 from sim.geometry.shapes import place
-from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
+from sim.geometry.spec import Box, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
 from sim.settings import Refused
 
 TURNED = Placement(position=(1, -2, 3), rotation=({"axis": (1, 2, 3), "angle": 40},), scale=1.5)
@@ -18,76 +18,6 @@ BUNNY = MeshFile(type="mesh", file="pymeshfix:examples/StanfordBunny.ply", up="z
 
 def placed(shape, placement=None):
     return place(shape, placement or Placement(), Path())
-
-
-# Volume
-
-
-def test_box_of_whole_spacings_is_filled_exactly():
-    """n = a b c / d^3, first layer d/2 from every face; 0.1 is not a binary fraction."""
-    points = sample_volume(placed(Box(type="box", size=(0.3, 0.7, 1.1)), Placement(position=(5, 6, 7))), 0.1)
-    assert len(points) == 3 * 7 * 11
-    np.testing.assert_allclose(points.min(axis=0), [5 - 0.1, 6 - 0.3, 7 - 0.5], atol=1e-14)
-    np.testing.assert_allclose(points.max(axis=0), [5 + 0.1, 6 + 0.3, 7 + 0.5], atol=1e-14)
-    np.testing.assert_allclose(cKDTree(points).query(points, k=2)[0][:, 1], 0.1, rtol=1e-12)
-
-
-def test_box_keeps_its_lattice_when_turned_and_scaled():
-    solid = placed(Box(type="box", size=(0.3, 0.7, 1.1)), TURNED)
-    points = sample_volume(solid, 0.15)
-    assert len(points) == 3 * 7 * 11
-    np.testing.assert_allclose(solid.signed_distance(points).max(), -0.075, rtol=1e-9)
-
-
-def test_box_is_never_overfilled():
-    points = sample_volume(placed(Box(type="box", size=(0.39, 0.39, 0.39))), 0.1)
-    assert len(points) == 27
-    np.testing.assert_allclose(points.mean(axis=0), 0, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    "shape",
-    [
-        Sphere(type="sphere", radius=0.5),
-        Cylinder(type="cylinder", radius=0.5, height=1),
-        Capsule(type="capsule", radius=0.4, height=0.5),
-        Torus(type="torus", radius=0.5, tube_radius=0.2),
-        BUNNY,
-    ],
-    ids=lambda shape: shape.type,
-)
-def test_particle_volume_converges(shape):
-    """Each of the S/d^2 cells on the surface errs by up to d^3 at random: sqrt(S/d^2) d^3 = d^2 sqrt(S), times four."""
-    solid = placed(shape)
-    for spacing in (0.05, 0.025, 0.0125):
-        points = sample_volume(solid, spacing)
-        assert len(points) * spacing**3 == pytest.approx(solid.volume, abs=4 * spacing**2 * np.sqrt(solid.mesh.area))
-        assert solid.contains(points).all()
-
-
-def test_order_is_that_of_the_lattice():
-    points = sample_volume(placed(Sphere(type="sphere", radius=0.5)), 0.1)
-    np.testing.assert_array_equal(points, points[np.lexsort(points.T[::-1])])
-    np.testing.assert_array_equal(points, sample_volume(placed(Sphere(type="sphere", radius=0.5)), 0.1))
-
-
-@pytest.mark.parametrize(
-    ("shape", "spacing", "says"),
-    [
-        (Plane(type="plane"), 0.1, "no volume"),
-        (Sheet(type="sheet", size=(1, 1)), 0.1, "no volume"),
-        (Box(type="box", size=(1, 1, 0.05)), 0.1, "thinner than the spacing"),
-        (Box(type="box", size=(1, 1, 1)), 1e-4, "more than memory holds"),
-        (Sphere(type="sphere", radius=1), 1e-4, "more than memory holds"),
-    ],
-)
-def test_what_can_not_be_filled_is_refused(shape, spacing, says):
-    with pytest.raises(Refused, match=says) as refused:
-        sample_volume(placed(shape), spacing)
-    assert refused.value.remedy
-
-
-# Surface
 
 
 def boundary_volumes(points, spacing):

@@ -43,6 +43,8 @@ def films(body: dict, pressure, water: dict | None = None) -> np.ndarray:
 
     pressure: of particles [Pa], by their positions [m].
     """
+    import taichi as ti
+
     from sim.spec import SimulationSpec
     from sim.stepping import Run
 
@@ -59,7 +61,10 @@ def films(body: dict, pressure, water: dict | None = None) -> np.ndarray:
     solid = run.world.obstacles.placed[0].solid
     pivot = run.world.rigid.position[0]
     still = np.concatenate((np.eye(3).ravel(), pivot - run.world.origin, np.zeros(6)))
-    return Film(system, [0], [solid.mesh], [pivot]).wrenches(still[None])[0]
+    film, by_rims = Film(system, [0], [solid.mesh], [pivot]), ti.ndarray(ti.f64, (1, 6))
+    film.find(still[None])
+    film.pressed(system.particles.position, by_rims, found=False)
+    return (film.steady + by_rims.to_numpy())[0]
 
 
 BOX = {"type": "box", "size": [0.24, 0.12, 0.2]}

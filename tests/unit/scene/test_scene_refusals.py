@@ -102,7 +102,7 @@ REPLACED = {
     ),
     "inside a solid": (PLACE, "position: [0, 0.62, 0]\n      scale: 5", "fluid.bodies.drop", "no particle of 'drop'"),
     "outside the container": ("position: [0, 0.62, 0]", "position: [3, 0.62, 0]", "fluid.bodies.drop", "there is room"),
-    "thinner than a particle": (SIZE, "size: [0.3, 0.01, 0.3]", "fluid.bodies.drop.shape", "no particle fits"),
+    "thinner than a particle": (SIZE, "size: [0.03, 0.01, 0.03]", "fluid.bodies.drop.shape", "no particle fits"),
     "too many": (
         RADIUS,
         f"{RADIUS}\n  max_particles: 10",

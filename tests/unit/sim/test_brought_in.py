@@ -8,6 +8,7 @@ from sim.output import Output
 from sim.spec import Event, SimulationSpec
 from sim.stepping import Run
 from tests.floating import BOX, box_in_pool
+from tests.in_time import in_time
 
 CHANGES = {
     0: {"set": {"gravity": [0, -5, 0]}},
@@ -41,7 +42,7 @@ def live(spec: SimulationSpec, folder) -> Run:
     return run
 
 
-@pytest.mark.parametrize(("solver", "fps"), [("dfsph", 50), ("dfsph", 20), ("wcsph", 50)])
+@pytest.mark.parametrize(("solver", "fps"), [("dfsph", 50), *in_time(("dfsph", 20), ("wcsph", 50))])
 def test_events_that_come_in_give_the_bytes_of_those_known_from_the_start(simulate, tmp_path, solver, fps):
     data = box_in_pool(solver, 0.4, fps=fps)
     folder = tmp_path / "live"

@@ -25,6 +25,7 @@ GOOD = Measure(
     not_finite=0,
     beyond_walls=0,
     too_fast=0,
+    fallen=0,
 )
 
 

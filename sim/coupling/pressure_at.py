@@ -1,0 +1,59 @@
+"""The pressure of the fluid at a point, as probes ask for it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import numpy_real, vec4
+from sim.fluid.kernel import cubic_host
+
+if TYPE_CHECKING:
+    from sim.fluid.system import FluidSystem
+    from sim.probes import FluidView
+
+FEWEST = 8
+"""Particles that a linear field is fitted to."""
+FLATTEST = 0.02
+"""Of the second moments of their places, the least over the greatest."""
+
+
+def pressure_at(view: FluidView, at: np.ndarray) -> float:
+    """Pressure [Pa] at a point `at` [m], shape [3]: of the linear field that fits those of the particles around best
+    (moving least squares, Lancaster & Salkauskas 1981); 0 in air.
+
+    It is right next to a solid, too, where there are particles on one side only. What is behind the solid does not
+    count; few particles, or such that lie in a plane, give their mean (Shepard 1968).
+    """
+    away = view.points - at
+    near = np.linalg.norm(away, axis=1) < view.h
+    system = view.world.fluid.system
+    if near.any() and system.boundary.shapes.count:
+        normal, distance = _faces(system, at - view.world.origin)
+        near &= np.all(away @ normal.T + distance > 0, axis=1)
+    away, pressure = away[near], view.pressure[near]
+    weight = cubic_host(np.linalg.norm(away, axis=1), view.h) * view.mass / np.maximum(view.density[near], 1)
+    total = weight.sum()
+    if total <= 0:
+        return 0.0
+    mean, centre = weight @ pressure / total, weight @ away / total
+    spread = (away - centre).T @ (weight[:, None] * (away - centre)) / total
+    moments = np.linalg.eigvalsh(spread)
+    if len(away) < FEWEST or moments[0] < FLATTEST * moments[-1]:
+        return float(mean)
+    slope = np.linalg.solve(spread, (away - centre).T @ (weight * (pressure - mean)) / total)
+    return max(0.0, float(mean - slope @ centre))
+
+
+def _faces(system: FluidSystem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normals, shape [n, 3], and distances [m] of the solids within reach of a point, in local coordinates [m]."""
+    here = ti.ndarray(vec4, 1)
+    here.from_numpy(np.array([[*point, 0.0]], dtype=numpy_real))
+    faces = system.boundary.elsewhere
+    faces.find(here, 1)
+    faces.place(here, here, 1, 0.0)
+    begin, size = faces.begin.to_numpy()[0], faces.size.to_numpy()[0]
+    found = faces.face.to_numpy()[begin : begin + size].astype(np.float64)
+    return found[:, :3], found[:, 3]

@@ -1,0 +1,110 @@
+"""What the fluid meets: solids, and sheets of cloth, which have samples on both sides (Akinci et al. 2013)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import numpy_real, vec4
+from sim.fluid.boundary.faces import Faces
+from sim.fluid.boundary.shapes import Shapes
+from sim.neighbors import NeighborList
+
+if TYPE_CHECKING:
+    from sim.fluid.sheets import SheetSamples
+
+GAP = 0.1
+"""Spacings off a thin solid to which a particle is brought back that has gone through."""
+
+
+class Boundary:
+    """Solids and sheets around the particles of a fluid.
+
+    shapes: the solids; spacing of the fluid and support radius h [m]; search_radius [m], at least h, within which they
+    are listed. `samples` holds position and weighted volume of each sample of the sheets [m^3], `velocity` is theirs
+    [m/s].
+    """
+
+    def __init__(self, shapes: Shapes, spacing: float, h: float, search_radius: float):
+        self.shapes = shapes
+        self.spacing = spacing
+        self.faces = Faces(shapes, spacing, h, search_radius)
+        self.elsewhere = Faces(shapes, spacing, h, h)
+        """For other points than the particles: where these were, or would have gone."""
+        self.sheets: SheetSamples | None = None
+        self.neighbors = NeighborList(48)
+        self.held_off = 0
+        """Particles that were brought back since this was last set to zero."""
+        self._allocate()
+
+    def _allocate(self) -> None:
+        self.samples, self.velocity = (ti.ndarray(vec4, max(self.sampled, 1)) for _ in range(2))
+        self.velocity.fill(0)
+
+    @property
+    def sampled(self) -> int:
+        """Samples of sheets."""
+        return self.sheets.count if self.sheets else 0
+
+    @property
+    def moves(self) -> bool:
+        """Whether any solid or sheet does."""
+        return bool(self.shapes.moving) or self.sampled > 0
+
+    @property
+    def has_bodies(self) -> bool:
+        """Whether there is more than planes, on which a force may be asked for."""
+        return self.shapes.bodies > 0 or self.sampled > 0
+
+    @property
+    def speed(self) -> float:
+        """Of the fastest point of a solid or sheet [m/s]."""
+        return max(self.shapes.speed, self._sheet_speed)
+
+    _sheet_speed = 0.0
+
+    def attach(self, sheets: SheetSamples) -> None:
+        """Let these be the samples of sheets, in place of those there were; `move` brings all to where they are."""
+        self.sheets = sheets
+        self._allocate()
+
+    def aim(self, motions: np.ndarray) -> None:
+        """Say how bodies will have moved after the next `move`: a row of MOTION numbers for each that moves, in their
+        order, relative to the world's origin."""
+        self.motions = motions
+
+    def move(self) -> None:
+        """Bring what moves to where it was aimed at; it is to be listed anew, or placed."""
+        if self.shapes.moving:
+            self.shapes.move(self.motions)
+        if self.sheets:
+            self._sheet_speed = self.sheets.move(self.samples, self.velocity)
+
+    def find_neighbors(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
+        """List the solids and samples near each of `count` particles."""
+        self.faces.find(position, count)
+        self.place(position, velocity, count, 0.0)
+        while self.sheets and count:
+            self.sheets.find(position, count)
+            self.neighbors.reserve(count)
+            longest = self.sheets.tell(position, count, self.neighbors)
+            if longest <= self.neighbors.capacity:
+                return
+            self.neighbors.grow(longest)
+
+    def place(
+        self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, ahead: float, *, pulls: bool = True
+    ) -> None:
+        """Find what solids are to particles that will be `ahead` [s], in `faces`; without `pulls` these stay."""
+        self.faces.place(position, velocity, count, ahead, pulls=pulls)
+
+    def hold_off(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
+        """Keep particles on their side of what is thin."""
+        self.held_off += self.faces.hold_off(position, velocity, count, GAP * self.spacing)
+
+    @property
+    def bytes(self) -> int:
+        sheets = self.sheets.bytes + 8 * np.dtype(numpy_real).itemsize * self.sampled if self.sheets else 0
+        return self.shapes.bytes + self.faces.bytes + self.neighbors.bytes + sheets

@@ -1,0 +1,352 @@
+"""What `sim.fluid.boundary.faces` does on the device."""
+
+import taichi as ti
+
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
+from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
+from sim.fluid.boundary.look import FAR, fronts, look, surface_velocity, to_own, to_world
+from sim.geometry.fields import GRID, PLANE
+from sim.geometry.narrow_band import OPPOSITE
+from sim.neighbors import padded
+
+GROUP = 32
+"""Points in a row for which solids are sought together."""
+NARROW, WIDE = 1.6, 2.4
+"""Spacings between two solids up to which no layer of particles acts on them, and from which all do."""
+INCLINED, STRAIGHT = 0.9, 0.98
+"""Cosines of the angle between two solids up to which what is in a gap can get out, and from which it is caught: at the
+mouth of a gap, where the nearest point is on an edge, nothing gets in."""
+SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
+"""The same of slim bodies."""
+TOUCHING = 1e-3
+"""Share of the line of a pair by which it may seem to leave a sheet before it enters it, by rounding."""
+FACING = -0.3
+"""Cosine of the angle between the normals of two particles beyond which a solid may lie between them."""
+
+
+@ti.kernel
+def count(
+    count: ti.i32,
+    groups: ti.i32,
+    reach: ti.f64,
+    position: Vec4Array,
+    solids: ti.i32,
+    kind: IntArray,
+    boxes: DoubleTable,
+    pose: DoubleTable,
+    first: IntArray,
+) -> ti.i32:
+    """Write to `first` where the members of each group will begin, and after the last where they end, which is
+    returned: solids that may come near its box."""
+    for g in range(groups):
+        low, high = _box(g, count, position)
+        found = 0
+        for s in range(solids):
+            if _comes_near(s, low, high, reach, kind, boxes, pose):
+                found += fronts_of(kind[s])
+        first[g + 1] = found
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        total = 0
+        for g in range(groups):
+            first[g] = total
+            total += first[g + 1]
+        first[groups] = total
+    return first[groups]
+
+
+@ti.func
+def _box(g: ti.i32, count: ti.i32, position: Vec4Array):
+    low, high = vec3(1e30), vec3(-1e30)
+    for i in range(g * GROUP, ti.min((g + 1) * GROUP, count)):
+        low, high = ti.min(low, position[i].xyz), ti.max(high, position[i].xyz)
+    return low, high
+
+
+@ti.func
+def _comes_near(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, kind: IntArray, boxes: DoubleTable, pose: DoubleTable):
+    near = _beside(s, low, high, reach, boxes)
+    if kind[s] == PLANE:
+        least = ti.cast(0.0, ti.f64)
+        for axis in ti.static(range(3)):
+            n = pose[s, 3 * axis + 1]
+            corner = ti.cast(ti.select(n > 0.0, low[axis], high[axis]), ti.f64)
+            least += n * (corner - pose[s, 9 + axis])
+        near = least < reach
+    return near
+
+
+@ti.func
+def fronts_of(kind: ti.i32) -> ti.i32:
+    """Half-spaces that a solid of this kind may be to one particle."""
+    return ti.select(kind == GRID, 3, 1)
+
+
+@ti.func
+def _beside(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, boxes: DoubleTable):
+    beside = True
+    for axis in ti.static(range(3)):
+        beside = beside and ti.cast(low[axis], ti.f64) < boxes[s, 3 + axis] + reach
+        beside = beside and ti.cast(high[axis], ti.f64) > boxes[s, axis] - reach
+    return beside
+
+
+@ti.kernel
+def find(
+    count: ti.i32,
+    groups: ti.i32,
+    reach: ti.f64,
+    position: Vec4Array,
+    solids: ti.i32,
+    boxes: DoubleTable,
+    first: IntArray,
+    member: IntArray,
+    has_own: ti.template(),
+    own: IntArray,
+    pose: DoubleTable,
+    kind: IntArray,
+    half: Vec4Array,
+    shift: vec2,
+    kinds: ti.template(),
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+    bend: RealArray,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    particle: IntArray,
+    near: Vec4Array,
+):
+    for g in range(groups):
+        low, high = _box(g, count, position)
+        slot = first[g]
+        for s in range(solids):
+            if _comes_near(s, low, high, reach, kind, boxes, pose):
+                for k in range(fronts_of(kind[s])):
+                    member[slot + k] = s if k == 0 else -1
+                slot += fronts_of(kind[s])
+    for i in range(count):
+        g = i // GROUP
+        room = first[g + 1] - first[g]
+        start = GROUP * first[g] + (i - GROUP * g) * room
+        x = position[i].xyz
+        found = 0
+        for k in range(room):
+            s = member[first[g] + k]
+            wanted = s >= 0
+            if ti.static(has_own):
+                wanted = wanted and own[i] != s
+            if wanted:
+                wanted = _beside(s, x, x, reach, boxes)
+            if wanted:
+                p = to_own(s, x, pose)
+                one, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
+                if kind[s] == GRID:
+                    if ti.static(kinds >> GRID & 1):
+                        one, second, third = fronts(s, p, half[s].w, frame, lattice, table, nodes)
+                else:
+                    one = look(s, p, False, vec4(0.0), kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                    one.w = one.xyz.dot(ti.cast(p, real)) - one.w
+                for c in range(3):
+                    front = one if c == 0 else (second if c == 1 else third)
+                    if front.xyz.dot(ti.cast(p, real)) - front.w < reach and front.w < FAR:
+                        e = start + found
+                        solid[e] = s
+                        particle[e] = i
+                        near[e] = front
+                        found += 1
+        begin[i] = start
+        size[i] = found
+
+
+@ti.kernel
+def place(
+    count: ti.i32,
+    ahead: real,
+    inverse_h: real,
+    spacing: real,
+    fit: vec4,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    pose: DoubleTable,
+    kind: IntArray,
+    half: Vec4Array,
+    shift: vec2,
+    kinds: ti.template(),
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+    bend: RealArray,
+    firm: IntArray,
+    slim: IntArray,
+    has_pull: ti.template(),
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    near: Vec4Array,
+    face: Vec4Array,
+    weight: RealArray,
+    held: RealArray,
+    pull: Vec4Array,
+    share: Vec4Array,
+    rate: RealArray,
+):
+    """Of two that face the same way the nearer one counts: a seam between them is no edge. Those at right angles count
+    both, and so does one behind the other, as far as they do.
+
+    Fluid that is caught in a gap narrower than a layer stays there as a layer: what the solids add does not grow while
+    they come nearer, so that nothing is squeezed out like a ball of steel.
+    """
+    for i in range(count):
+        first, last = begin[i], begin[i] + size[i]
+        total, void = ti.cast(0.0, real), ti.cast(1.0, real)
+        gradient, closing = vec3(0.0), ti.cast(0.0, real)
+        if last > first:
+            x = position[i].xyz + ahead * velocity[i].xyz
+            for e in range(first, last):
+                s = solid[e]
+                p = to_own(s, x, pose)
+                one = look(s, p, True, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                face[e] = vec4(to_world(s, one.xyz, pose), one.w)
+            for e in range(first, last):
+                open_gap, caught = ti.cast(1.0, real), ti.cast(0.0, real)
+                for other in range(first, last):
+                    if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
+                        gap = face[e].w + face[other].w
+                        open_gap = ti.min(open_gap, wide(gap, spacing, slim[solid[e]]))
+                        against = -face[e].xyz.dot(face[other].xyz)
+                        straight = ti.math.clamp((against - INCLINED) / (STRAIGHT - INCLINED), 0.0, 1.0)
+                        caught = ti.max(caught, 0.5 * straight * (spacing - gap))
+                weight[e] = caught
+                if ti.static(has_pull):
+                    pull[e].w = open_gap
+            for e in range(first, last):
+                face[e].w += weight[e]
+            for e in range(first, last):
+                counts = ti.cast(1.0, real)
+                for other in range(first, last):
+                    nearer = face[other].w < face[e].w or (face[other].w == face[e].w and other < e)
+                    if nearer:
+                        like = ti.max(face[e].xyz.dot(face[other].xyz), 0.0)
+                        counts *= (1.0 - like * like) ** 2
+                weight[e] = counts
+                held[e] = counts * firm[solid[e]]
+                share_of = counts * own_share(face[e].w, fit, inverse_h)
+                left = left_of(share_of, fit)
+                total += share_of - (1.0 - left)
+                void *= left
+            total += 1.0 - void
+            for e in range(first, last):
+                left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
+                counts = 1.0 - left * left / fit.y * (1.0 - void / left)
+                one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
+                if ti.static(has_pull):
+                    acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
+                    pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
+                gradient += one
+                closing -= one.dot(surface_velocity(solid[e], x, pose))
+        share[i] = vec4(gradient, total)
+        rate[i] = closing
+
+
+@ti.func
+def facing(one: vec3, other: vec3):
+    """Whether two surfaces with these normals face each other."""
+    return one.dot(other) < OPPOSITE
+
+
+@ti.func
+def wide(gap: real, spacing: real, slim: ti.i32) -> real:
+    """How far what particles do in a gap between two solids is what a fluid would do: between none and all of it.
+
+    One or two layers of particles press on what encloses them by how well they fit in, as molecules do (Israelachvili
+    2011, ch. 15), and not by the pressure around: that of films has to act instead (`sim.coupling.film`). A slim body
+    weighs so little against that pressure that it would tremble, and stir the fluid.
+    """
+    least, most = ti.select(slim == 1, SLIM_NARROW, NARROW), ti.select(slim == 1, SLIM_WIDE, WIDE)
+    s = ti.math.clamp((gap / spacing - least) / (most - least), 0.0, 1.0)
+    return s * s * (3.0 - 2.0 * s)
+
+
+@ti.kernel
+def sever(
+    count: ti.i32,
+    position: Vec4Array,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    face: Vec4Array,
+    near_size: IntArray,
+    near_index: IntTable,
+):
+    """A pair is cut where its line enters the solid through one particle's half-space before it leaves it through the
+    other's, and these face away from each other."""
+    for i in range(count):
+        if size[i] > 0:
+            x = position[i].xyz
+            left = 0
+            for k in range(near_size[i]):
+                j = near_index[i, k]
+                d = position[j].xyz - x
+                cut = False
+                for e in range(begin[i], begin[i] + size[i]):
+                    mine = face[e]
+                    beyond = mine.w + mine.xyz.dot(d)
+                    if beyond < 0.0 and mine.w >= 0.0:
+                        for o in range(begin[j], begin[j] + size[j]):
+                            other = face[o]
+                            if solid[o] == solid[e] and mine.xyz.dot(other.xyz) < FACING:
+                                behind = other.w - other.xyz.dot(d)
+                                if behind < 0.0 and other.w >= 0.0:
+                                    enters = mine.w / (mine.w - beyond)
+                                    leaves = 1.0 - other.w / (other.w - behind)
+                                    cut = cut or enters <= leaves + TOUCHING
+                if not cut:
+                    near_index[i, left] = j
+                    left += 1
+            near_size[i] = left
+            for k in range(left, padded(left)):
+                near_index[i, k] = i
+
+
+@ti.kernel
+def hold_off(
+    count: ti.i32,
+    gap: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    pose: DoubleTable,
+    kind: IntArray,
+    half: Vec4Array,
+    shift: vec2,
+    kinds: ti.template(),
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+    bend: RealArray,
+    begin: IntArray,
+    size: IntArray,
+    solid: IntArray,
+    near: Vec4Array,
+) -> ti.i32:
+    held = 0
+    for i in range(count):
+        for e in range(begin[i], begin[i] + size[i]):
+            s = solid[e]
+            x = position[i].xyz
+            p = to_own(s, x, pose)
+            at = ti.cast(p, real)
+            side = near[e]
+            if side.xyz.dot(at) - side.w < 0.0 and kind[s] != PLANE:
+                one = look(s, p, False, vec4(0.0), kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                if one.xyz.dot(side.xyz) < OPPOSITE:
+                    normal = to_world(s, side.xyz, pose)
+                    position[i].xyz = x + (gap + side.w - side.xyz.dot(at)) * normal
+                    relative = velocity[i].xyz - surface_velocity(s, x, pose)
+                    velocity[i].xyz -= ti.min(normal.dot(relative), 0.0) * normal
+                    ti.atomic_add(held, 1)
+    return held

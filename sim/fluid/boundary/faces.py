@@ -1,0 +1,162 @@
+"""Which solids are near each particle, and the half-spaces that they are to it.
+
+Particles lie in the order of their cells, so that GROUP of them in a row are close together: solids are sought for
+groups first. An entry is a pair of a particle and a solid; those of a particle lie together.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import GROWTH, numpy_real, real, vec2, vec4
+from sim.fluid.boundary import face_sums
+from sim.fluid.boundary.face_sums import GROUP
+from sim.fluid.boundary.half_space import half_space_fit
+from sim.fluid.boundary.shapes import Shapes
+from sim.neighbors import NeighborList
+
+
+class Faces:
+    """Half-spaces near points, in coordinates relative to the origin of the shapes.
+
+    begin, size: of the entries of each point; solid, particle: of each entry; face: unit normal and distance [m];
+    weight of each: less where a nearer one faces the same way; held: the same, but nothing of solids that obey forces;
+    pull: what it alone adds to the gradient of the density, over the rest density [1/m], as pressure feels it
+    (`along_faces`). share: of all, over the rest density, in w, and its gradient [1/m]; rate: at which the motion of
+    the solids alone raises it [1/s].
+    """
+
+    def __init__(self, shapes: Shapes, spacing: float, h: float, reach: float):
+        self.shapes = shapes
+        self.spacing, self.h, self.reach = spacing, h, reach
+        self.fit = vec4(*half_space_fit(spacing, h))
+        self._shift = vec2(*shapes.shift)
+        self._rows = self._groups = self._entries = 0
+        self._make_room(1, 1, 1)
+
+    def _make_room(self, points: int, groups: int, entries: int) -> None:
+        if points > self._rows:
+            self._rows = math.ceil(GROWTH * points)
+            self.begin, self.size = ti.ndarray(ti.i32, self._rows), ti.ndarray(ti.i32, self._rows)
+            self.share, self.rate = ti.ndarray(vec4, self._rows), ti.ndarray(real, self._rows)
+            self.begin.fill(0)
+            self.size.fill(0)
+            self.share.fill(0)
+            self.rate.fill(0)
+        if groups > self._groups:
+            self._groups = math.ceil(GROWTH * groups)
+            self._first = ti.ndarray(ti.i32, self._groups + 1)
+        if entries > self._entries:
+            self._entries = math.ceil(GROWTH * entries)
+            self._member = ti.ndarray(ti.i32, -(-self._entries // GROUP))
+            self.solid, self.particle = ti.ndarray(ti.i32, self._entries), ti.ndarray(ti.i32, self._entries)
+            self._near, self.face, self.pull = (ti.ndarray(vec4, self._entries) for _ in range(3))
+            self.weight, self.held = ti.ndarray(real, self._entries), ti.ndarray(real, self._entries)
+
+    @property
+    def lists(self) -> tuple[object, ...]:
+        """As kernels take them: begin, size, face, weight, held, fit."""
+        return self.begin, self.size, self.face, self.weight, self.held, self.fit
+
+    @property
+    def _looks(self) -> tuple[object, ...]:
+        shapes = self.shapes
+        return (
+            shapes.pose,
+            shapes.kind,
+            shapes.size,
+            self._shift,
+            shapes.kinds,
+            shapes.frame,
+            shapes.lattice,
+            shapes.table,
+            shapes.nodes,
+            shapes.bend,
+        )
+
+    def find(self, position: ti.Ndarray, count: int, own: ti.Ndarray | None = None) -> None:
+        """List the solids within the reach of `count` points [m], but for each point's `own`."""
+        groups = -(-count // GROUP)
+        self._make_room(count, groups, 1)
+        if not count:
+            return
+        shapes = self.shapes
+        if not shapes.count:
+            self.size.fill(0)
+            return
+        total = face_sums.count(
+            count, groups, self.reach, position, shapes.count, shapes.kind, shapes.boxes, shapes.pose, self._first
+        )
+        self._make_room(count, groups, GROUP * total)
+        face_sums.find(
+            count,
+            groups,
+            self.reach,
+            position,
+            shapes.count,
+            shapes.boxes,
+            self._first,
+            self._member,
+            own is not None,
+            own if own is not None else self._first,
+            *self._looks,
+            self.begin,
+            self.size,
+            self.solid,
+            self.particle,
+            self._near,
+        )
+
+    def place(
+        self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, ahead: float, *, pulls: bool = True
+    ) -> None:
+        """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay."""
+        if not self.shapes.count:
+            return
+        face_sums.place(
+            count,
+            ahead,
+            1.0 / self.h,
+            self.spacing,
+            self.fit,
+            position,
+            velocity,
+            *self._looks,
+            self.shapes.firm,
+            self.shapes.slim,
+            pulls,
+            self.begin,
+            self.size,
+            self.solid,
+            self._near,
+            self.face,
+            self.weight,
+            self.held,
+            self.pull,
+            self.share,
+            self.rate,
+        )
+
+    def sever(self, position: ti.Ndarray, count: int, neighbors: NeighborList) -> None:
+        """Take from lists the neighbours on the other side of a thin solid."""
+        if self.shapes.thin:
+            face_sums.sever(
+                count, position, self.begin, self.size, self.solid, self.face, neighbors.size, neighbors.index
+            )
+
+    def hold_off(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, gap: float) -> int:
+        """Bring particles back that have gone through a thin solid since they were listed, `gap` [m] off it; how many.
+        Their velocities are those of the surface then, where they would go in."""
+        if not self.shapes.thin:
+            return 0
+        return face_sums.hold_off(
+            count, gap, position, velocity, *self._looks, self.begin, self.size, self.solid, self._near
+        )
+
+    @property
+    def bytes(self) -> int:
+        number = np.dtype(numpy_real).itemsize
+        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)

@@ -1,0 +1,90 @@
+"""What a half-space of fluid at rest would add to the density of a particle beside it.
+
+It is a polynomial of the distance alone. Where half-spaces meet, what they have in common counts once; that share is
+calibrated for right angles. All functions of several half-spaces take them as `sim.fluid.boundary.faces` lists them: of
+particle i those from begin[i] on, size[i] of them, with unit normal and distance [m] in `face`.
+"""
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import IntArray, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.calibration import calibrate_wall
+from sim.fluid.kernel import halfspace_area, halfspace_volume
+
+
+def half_space_fit(spacing: float, h: float) -> tuple[float, float, float, float]:
+    """Weight, overlap and `along` of `sim.fluid.calibration.Wall`, and how far over h each half-space stands back, for
+    a lattice half a spacing [m] off it to be at rest."""
+    wall = calibrate_wall(spacing, h)
+    return wall.weight, wall.overlap, wall.along, (wall.distance - spacing / 2) / h
+
+
+@ti.func
+def own_share(distance: real, fit: vec4, inverse_h: real) -> real:
+    """Density over the rest density by one half-space at this distance [m]."""
+    return fit.x * halfspace_volume(distance * inverse_h + fit.w)
+
+
+@ti.func
+def own_slope(distance: real, fit: vec4, inverse_h: real) -> real:
+    """Its derivative by the distance [1/m]."""
+    return -fit.x * halfspace_area(distance * inverse_h + fit.w) * inverse_h
+
+
+@ti.func
+def left_of(share: real, fit: vec4) -> real:
+    """What one half-space leaves to others: two that add u1 and u2 have in common the product of 1 - left."""
+    return fit.y / (fit.y + share)
+
+
+@ti.func
+def along_faces(
+    i: ti.i32,
+    a: vec3,
+    begin: IntArray,
+    size: IntArray,
+    face: Vec4Array,
+    held: RealArray,
+    fit: vec4,
+    inverse_h: real,
+) -> vec3:
+    """B a: the acceleration by pressure as it would be, were there fluid beyond the surfaces too.
+
+    Across a surface that is what its own force is for. Along it a particle has fewer neighbours than elsewhere to be
+    pushed by: of sum_j x (dW/dx) / r dV, integrated by parts, what lies beyond is missing, V. Taken half from the first
+    surface to the last and half back again, B is symmetric however they meet. It is a force of the solid, which one
+    that obeys forces would have to feel: a light one could not. So B is for those that do not; `held` has their
+    weights.
+    """
+    pushed = a
+    count = size[i]
+    for k in range(2 * count):
+        pushed = along_face(begin[i] + ti.min(k, 2 * count - 1 - k), pushed, face, held, fit, inverse_h)
+    return pushed
+
+
+@ti.func
+def along_face(e: ti.i32, a: vec3, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> vec3:
+    """One factor of B: half of what one half-space is for, along it."""
+    pushed = a
+    q = ti.max(face[e].w * inverse_h, 0.0)
+    if q < 1.0:
+        factor = 1.0 / ti.sqrt(1.0 - held[e] * fit.z * halfspace_volume(q))
+        pushed = factor * a + (1.0 - factor) * face[e].xyz.dot(a) * face[e].xyz
+    return pushed
+
+
+@ti.func
+def face_damping(distance: real, closing: real, fit: vec4, inverse_h: real, strength: real) -> real:
+    """Deceleration along the normal [m/s^2] of what comes nearer at the speed `closing` < 0 [m/s]: artificial viscosity
+    against the nearest point; strength = alpha c h / 2 [m^2/s]."""
+    away = ti.max(distance * inverse_h + fit.w, 0.25)
+    return -strength * fit.x * ti.min(closing, 0.0) / away * halfspace_area(away) * inverse_h * inverse_h
+
+
+def own_share_host(distance: np.ndarray, fit: tuple[float, float, float, float], h: float) -> np.ndarray:
+    """`own_share` on the host, in double precision."""
+    from sim.fluid.kernel import halfspace_volume_host
+
+    return fit[0] * halfspace_volume_host(np.asarray(distance) / h + fit[3])

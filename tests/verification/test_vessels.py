@@ -1,0 +1,94 @@
+"""Water in a glass with walls thinner and thicker than a spacing, and bodies on the ground of a tank.
+
+A glass of inner radius R that holds N particles of the volume d^3 over its bottom has the level N d^3 / (pi R^2), and
+is pressed down by their weight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.particles import positions, read_frame, read_table
+from tests.solvers import probe
+
+SPACING, RADIUS, HEIGHT, RHO, G = 0.005, 0.035, 0.05, 1000.0, 9.81
+FLOOR = 0.01
+
+
+def glass(folder, wall: float) -> None:
+    """A cup along y whose inside begins FLOOR above 0, of 96 sides: the area of its inside is that of the circle to
+    0.07 %."""
+    outer, top = RADIUS + wall, 0.09
+    profile = np.array([[0, 0], [outer, 0], [outer, top], [RADIUS, top], [RADIUS, FLOOR], [0, FLOOR]])
+    mesh = trimesh.creation.revolve(profile, sections=96)
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+    mesh.fix_normals()
+    mesh.export(folder / "glass.ply")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wall", [0.25, 0.8, 2.0])
+def test_a_glass_holds_its_water_at_its_level_and_weighs_as_much(simulate, tmp_path, wall):
+    """The level to a tenth of a spacing and the share of a layer that the kernel sees at the surface, the force to 2 %,
+    three standard errors of its mean. Outermost centres are half a spacing off the wall, as off a plane, to 0.2 d."""
+    glass(tmp_path, wall * SPACING)
+    water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": HEIGHT}, "position": [0, FLOOR + HEIGHT / 2, 0]}
+    data = {
+        "fps": 20,
+        "fluid": {
+            "solver": "dfsph",
+            "particle_radius": SPACING / 2,
+            "viscosity": 1e-4,
+            "bodies": {"water": water},
+        },
+        "rigid": {"bodies": {"glass": {"shape": {"type": "mesh", "file": "glass.ply"}}}},
+        "probes": {
+            "level": {"type": "water_height", "x": 0.01, "rate": 50},
+            "push": {"type": "force", "body": "glass", "rate": 50},
+        },
+    }
+    out = simulate(data, 8, threads=2)
+    x = positions(read_frame(out, 8))
+    assert len(x) == pytest.approx(np.pi * RADIUS**2 * HEIGHT / SPACING**3, rel=0.005)
+    outermost = np.hypot(x[:, 0], x[:, 2]).max()
+    assert RADIUS - 0.7 * SPACING < outermost < RADIUS - 0.2 * SPACING
+    time, level = probe(out, "level", "water_height")
+    wanted = FLOOR + len(x) * SPACING**3 / (np.pi * RADIUS**2)
+    assert level[time > 0.2].mean() == pytest.approx(wanted, abs=0.3 * SPACING)
+    time, push = probe(out, "push", "force_y")
+    assert push[time > 0.2].mean() == pytest.approx(-len(x) * RHO * SPACING**3 * G, rel=0.02)
+
+
+@pytest.mark.slow
+def test_heavy_bodies_rest_on_the_ground_and_a_light_one_leaves_it(simulate):
+    """A box and a ball of 1.2 rho0 stay where they lie under 16 layers, to a tenth of a spacing in the mean; a block of
+    0.8 rho0 is up where Archimedes has it."""
+    spacing = 0.015
+    tank, depth = (0.6, 0.6, 0.45), 0.24
+    water = {"shape": {"type": "box", "size": [tank[0], depth, tank[2]]}, "position": [0, depth / 2, 0]}
+    heavy = {"motion": "dynamic", "density": 1200}
+    bodies = {
+        "box": {"shape": {"type": "box", "size": [0.1, 0.06, 0.1]}, "position": [-0.18, 0.03, 0]} | heavy,
+        "ball": {"shape": {"type": "sphere", "radius": 0.05}, "position": [0, 0.05, 0]} | heavy,
+        "light": {"shape": {"type": "box", "size": [0.12, 0.09, 0.12]}, "position": [0.18, 0.045, 0]}
+        | {"motion": "dynamic", "density": 800},
+    }
+    data = {
+        "fps": 20,
+        "containers": {"tank": {"type": "box", "size": list(tank)}},
+        "fluid": {"solver": "dfsph", "particle_radius": spacing / 2, "bodies": {"water": water}},
+        "rigid": {"bodies": bodies},
+    }
+    out = simulate(data, 50, threads=2)
+    table = read_table(out / "bodies.csv")
+
+    def height(name):
+        return table["y"][table["body"] == name]
+
+    assert height("box")[10:].mean() == pytest.approx(0.03, abs=0.1 * spacing)
+    assert height("ball")[10:].mean() == pytest.approx(0.05, abs=0.1 * spacing)
+    level = (len(read_frame(out, 50)) * spacing**3 + 0.1 * 0.06 * 0.1 + 4 / 3 * np.pi * 0.05**3) / (tank[0] * tank[2])
+    level += 0.8 * 0.12 * 0.09 * 0.12 / (tank[0] * tank[2])
+    assert height("light")[-6:].mean() == pytest.approx(level - (0.8 - 0.5) * 0.09, abs=spacing)
