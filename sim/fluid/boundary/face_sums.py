@@ -4,7 +4,7 @@ import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
-from sim.fluid.boundary.look import FAR, fronts, look, surface_velocity, to_own, to_world
+from sim.fluid.boundary.look import FAR, fronts, look, on_form, surface_velocity, to_own, to_world
 from sim.geometry.fields import GRID, PLANE
 from sim.geometry.narrow_band import OPPOSITE
 from sim.neighbors import padded
@@ -101,7 +101,7 @@ def find(
     boxes: DoubleTable,
     first: IntArray,
     member: IntArray,
-    has_own: ti.template(),
+    has_own: ti.i32,
     own: IntArray,
     pose: DoubleTable,
     kind: IntArray,
@@ -112,7 +112,6 @@ def find(
     lattice: IntTable,
     table: IntArray,
     nodes: Vec4Array,
-    bend: RealArray,
     begin: IntArray,
     size: IntArray,
     solid: IntArray,
@@ -136,7 +135,7 @@ def find(
         for k in range(room):
             s = member[first[g] + k]
             wanted = s >= 0
-            if ti.static(has_own):
+            if has_own == 1:
                 wanted = wanted and own[i] != s
             if wanted:
                 wanted = _beside(s, x, x, reach, boxes)
@@ -147,7 +146,7 @@ def find(
                     if ti.static(kinds >> GRID & 1):
                         one, second, third = fronts(s, p, half[s].w, frame, lattice, table, nodes)
                 else:
-                    one = look(s, p, False, vec4(0.0), kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                    one = on_form(s, p, kind, half, shift, kinds)
                     one.w = one.xyz.dot(ti.cast(p, real)) - one.w
                 for c in range(3):
                     front = one if c == 0 else (second if c == 1 else third)
@@ -182,7 +181,7 @@ def place(
     bend: RealArray,
     firm: IntArray,
     slim: IntArray,
-    has_pull: ti.template(),
+    has_pull: ti.i32,
     begin: IntArray,
     size: IntArray,
     solid: IntArray,
@@ -209,7 +208,7 @@ def place(
             for e in range(first, last):
                 s = solid[e]
                 p = to_own(s, x, pose)
-                one = look(s, p, True, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                one = look(s, p, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
             for e in range(first, last):
                 open_gap, caught = ti.cast(1.0, real), ti.cast(0.0, real)
@@ -221,7 +220,7 @@ def place(
                         straight = ti.math.clamp((against - INCLINED) / (STRAIGHT - INCLINED), 0.0, 1.0)
                         caught = ti.max(caught, 0.5 * straight * (spacing - gap))
                 weight[e] = caught
-                if ti.static(has_pull):
+                if has_pull == 1:
                     pull[e].w = open_gap
             for e in range(first, last):
                 face[e].w += weight[e]
@@ -243,7 +242,7 @@ def place(
                 left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
                 counts = 1.0 - left * left / fit.y * (1.0 - void / left)
                 one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
-                if ti.static(has_pull):
+                if has_pull == 1:
                     acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
                     pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
                 gradient += one
@@ -327,7 +326,6 @@ def hold_off(
     lattice: IntTable,
     table: IntArray,
     nodes: Vec4Array,
-    bend: RealArray,
     begin: IntArray,
     size: IntArray,
     solid: IntArray,
@@ -342,8 +340,13 @@ def hold_off(
             at = ti.cast(p, real)
             side = near[e]
             if side.xyz.dot(at) - side.w < 0.0 and kind[s] != PLANE:
-                one = look(s, p, False, vec4(0.0), kind, half, shift, kinds, frame, lattice, table, nodes, bend)
-                if one.xyz.dot(side.xyz) < OPPOSITE:
+                one = vec4(0.0, 1.0, 0.0, FAR)
+                if kind[s] == GRID:
+                    if ti.static(kinds >> GRID & 1):
+                        one = fronts(s, p, half[s].w, frame, lattice, table, nodes)[0]
+                else:
+                    one = on_form(s, p, kind, half, shift, kinds)
+                if one.w < FAR and one.xyz.dot(side.xyz) < OPPOSITE:
                     normal = to_world(s, side.xyz, pose)
                     position[i].xyz = x + (gap + side.w - side.xyz.dot(at)) * normal
                     relative = velocity[i].xyz - surface_velocity(s, x, pose)

@@ -74,7 +74,6 @@ class Faces:
             shapes.lattice,
             shapes.table,
             shapes.nodes,
-            shapes.bend,
         )
 
     def find(self, position: ti.Ndarray, count: int, own: ti.Ndarray | None = None) -> None:
@@ -125,6 +124,7 @@ class Faces:
             position,
             velocity,
             *self._looks,
+            self.shapes.bend,
             self.shapes.firm,
             self.shapes.slim,
             pulls,

@@ -111,7 +111,6 @@ def curvature_of(kind: ti.i32, size: vec4, p: vec3, n: vec3, distance: real) -> 
 def look(
     s: ti.i32,
     p: vec3d,
-    has_near: ti.template(),
     near: vec4,
     kind: IntArray,
     size: Vec4Array,
@@ -123,26 +122,37 @@ def look(
     nodes: Vec4Array,
     bend: RealArray,
 ) -> vec4:
-    """Unit normal and distance [m] of a solid at p, both in its own frame; `near`: normal and offset there; kinds: a
-    bit for each kind that there is."""
-    what, half = kind[s], size[s]
+    """Unit normal and distance [m] of a solid at p, both in its own frame; `near`: normal and offset there of the
+    half-space that it was before; kinds: a bit for each kind that there is."""
+    found = vec4(0.0, 1.0, 0.0, FAR)
+    if kind[s] == GRID:
+        if ti.static(kinds >> GRID & 1):
+            if near.w < FAR:
+                found = on_band(s, p, size[s].w, near, shift, frame, lattice, table, nodes, bend)
+    else:
+        found = on_form(s, p, kind, size, shift, kinds)
+        if kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
+            found = vec4(near.xyz, near.xyz.dot(ti.cast(p, real)) - near.w)
+    return found
+
+
+@ti.func
+def on_form(
+    s: ti.i32,
+    p: vec3d,
+    kind: IntArray,
+    size: Vec4Array,
+    shift: ti.types.vector(2, real),
+    kinds: ti.template(),
+) -> vec4:
+    """Unit normal and distance [m] of a plane or primitive at p, on whichever side that is."""
     found = vec4(0.0, 1.0, 0.0, FAR)
     if ti.static(kinds >> PLANE & 1):
-        if what == PLANE:
+        if kind[s] == PLANE:
             found = ti.cast(distance_to_plane(p), real)
     if ti.static(kinds & CURVED):
-        if what != PLANE and what != GRID:
-            found = on_primitive(what, p, half, kinds, shift)
-            if ti.static(has_near):
-                if found.xyz.dot(near.xyz) < OPPOSITE:
-                    found = vec4(near.xyz, near.xyz.dot(ti.cast(p, real)) - near.w)
-    if ti.static(kinds >> GRID & 1):
-        if what == GRID:
-            front = near
-            if ti.static(not has_near):
-                front = fronts(s, p, half.w, frame, lattice, table, nodes)[0]
-            if front.w < FAR:
-                found = on_band(s, p, half.w, front, shift, frame, lattice, table, nodes, bend)
+        if kind[s] != PLANE and kind[s] != GRID:
+            found = on_primitive(kind[s], p, size[s], kinds, shift)
     return found
 
 
