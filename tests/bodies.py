@@ -32,7 +32,7 @@ def turn(axis: tuple[float, float, float], radians: float) -> list[dict[str, Any
 
 
 def part(
-    bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 2, **rigid: Any
+    bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **rigid: Any
 ) -> RigidPart:
     """The bodies, in the order given but for planes, which come last."""
     from sim import runtime

@@ -27,11 +27,13 @@ def rope(length: float, cells: int, **settings: Any) -> dict[str, Any]:
     return sheet((length, edge), spacing=edge, shear_stiffness=0, bend_stiffness=0, **settings)
 
 
-def part(sheets: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), **cloth: Any) -> ClothPart:
+def part(
+    sheets: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **cloth: Any
+) -> ClothPart:
     """The sheets of a scene as placed; `cloth` are the settings beside them."""
     from sim import runtime
 
-    runtime.start(threads=2, arch="cpu")
+    runtime.start(threads=threads, arch="cpu")
     from sim.cloth.part import ClothPart, find_sheets
     from sim.cloth.spec import Cloth
     from sim.cloth.state import ClothState
@@ -75,7 +77,7 @@ def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
     from sim.spec import SimulationSpec
     from sim.world import Counts, World
 
-    runtime.start(threads=2, arch="cpu")
+    runtime.start(threads=1, arch="cpu")
     cloth = {"sheets": sheets, **settings.pop("cloth", {})}
     spec = SimulationSpec.model_validate({"fps": 24, "rigid": {"bodies": bodies}, "cloth": cloth, **settings})
     world = World(spec, Path())

@@ -13,7 +13,7 @@ from tests import rounding as variants
 
 ROUNDING = f"""run each test of verification, validation and stress that is chosen once for each of
 {", ".join(variants.VARIANTS)}, which stand for the rounding of another processor: starts displaced by 1e-6 of the
-spacing of particles, one thread, and sums in the order in which they are written; other tests are left out"""
+spacing of particles, two threads, and sums in the order in which they are written; other tests are left out"""
 _shared: list[Callable[[], None]] = []
 """What ends the fixtures that tests share under the present variant."""
 
@@ -69,10 +69,11 @@ def rounding(request: pytest.FixtureRequest) -> Iterator[str | None]:
 
 @pytest.fixture
 def taichi():
-    """Taichi, running on the CPU."""
+    """Taichi, running on the CPU with one thread, as in all tests that are not of threads: kernels for another number
+    are others, and would be compiled beside them."""
     from sim import runtime
 
-    runtime.start(threads=2, arch="cpu")
+    runtime.start(threads=1, arch="cpu")
     import taichi as ti
 
     return ti
@@ -86,7 +87,7 @@ def simulate(tmp_path: Path) -> Callable[..., Path]:
 
     def call(data: dict[str, Any], last: int, name: str = "run", *, expect: int = 0, **options: Any) -> Path:
         out = tmp_path / name
-        options = {"first": 0, "arch": "cpu", "quiet": True} | options
+        options = {"first": 0, "arch": "cpu", "threads": 1, "quiet": True} | options
         assert run(SimulationSpec.model_validate(data), tmp_path, out, last=last, **options) == expect
         return out
 

@@ -2,7 +2,7 @@
 
 Another processor adds in another order, fuses other products with sums, and has its own last digits of sqrt and exp.
 In a flow that amplifies them these are, after a while, as any other disturbance of the last digits: a start that is
-displaced by as little, sums by one thread, and sums in the order in which they are written.
+displaced by as little, sums by two threads, and sums in the order in which they are written.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from unittest import mock
 
 import numpy as np
 
-VARIANTS = ("jitter1", "jitter2", "jitter3", "one-thread", "exact-math")
+VARIANTS = ("jitter1", "jitter2", "jitter3", "two-threads", "exact-math")
 FOLDERS = [Path(__file__).parent / name for name in ("verification", "validation", "stress")]
 """Of the tests that simulate."""
-OPTIONS = {"one-thread": {"cpu_max_num_threads": 1}, "exact-math": {"fast_math": False}}
+OPTIONS = {"two-threads": {"cpu_max_num_threads": 2}, "exact-math": {"fast_math": False}}
 """What Taichi is started with instead of what production code asks for."""
 SHARE = {np.dtype(np.float32): 1e-6, np.dtype(np.float64): 1e-14}
 """How far points are displaced, over the spacing of particles or the size of a body or sheet; by what they are computed

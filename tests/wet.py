@@ -70,7 +70,7 @@ def leaks(data: dict[str, Any], seconds: float) -> tuple[int, World]:
     from sim.spec import SimulationSpec
     from sim.stepping import Run
 
-    run = Run(SimulationSpec.model_validate(data), Path(), threads=2, arch="cpu", warn=lambda _: None)
+    run = Run(SimulationSpec.model_validate(data), Path(), threads=1, arch="cpu", warn=lambda _: None)
     run.start()
     world, time, number = run.world, 0.0, 0
     cloth, water = _points(world)

@@ -42,7 +42,7 @@ SPEC = SimulationSpec.model_validate(
 def state(tmp_path_factory) -> Path:
     """A state of a run with all materials."""
     out = tmp_path_factory.mktemp("run")
-    assert simulate(SPEC, Path(), out, first=0, last=1, arch="cpu", quiet=True) == 0
+    assert simulate(SPEC, Path(), out, first=0, last=1, arch="cpu", threads=1, quiet=True) == 0
     return out / "state_00001.npz"
 
 

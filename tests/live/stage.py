@@ -36,7 +36,7 @@ class Stage:
         path = folder / "scenes" / "pool.yaml"
         path.parent.mkdir()
         path.write_text(text)
-        self.session = Session(load(path), **{"threads": 2, "arch": "cpu", **options})
+        self.session = Session(load(path), **{"threads": 1, "arch": "cpu", **options})
         self.session.watched = True
         self.problems: list[str] = []
         self._thread = threading.Thread(target=self.session.run, daemon=True)

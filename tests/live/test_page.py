@@ -146,5 +146,5 @@ def test_what_is_done_in_the_page_happens_and_replays(stage, browser, simulate, 
     stage.until(lambda session: path.exists())
     time.sleep(0.5)
     scene = load(path)
-    out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), scene.last_frame, threads=2)
+    out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), scene.last_frame, threads=1)
     assert bytes_in(out / f"state_{scene.last_frame:05d}.npz") == stage.bytes()

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 @contextmanager
 def serving(scene: Path, *options: str) -> Iterator[tuple[subprocess.Popen, int, str]]:
     """The process, its port, and what it has said until the page was open."""
-    command = [sys.executable, "-m", "sim", "live", str(scene), "--port", "0", "--threads", "2", *options]
+    command = [sys.executable, "-m", "sim", "live", str(scene), "--port", "0", "--threads", "1", *options]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     said = ""
     try:

@@ -44,7 +44,7 @@ def test_a_saved_scene_gives_the_same_bytes(stage, simulate, tmp_path):
     assert stage.problems == []
     scene = saved[0]
     assert scene.last_frame == 8 and len(scene.simulation.events) == 5
-    out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), 8, threads=2)
+    out = simulate(scene.simulation.model_dump(mode="json", exclude_none=True), 8, threads=1)
     assert bytes_in(out / "state_00008.npz") == stage.bytes()
 
 

@@ -69,7 +69,7 @@ def environment() -> dict[str, str]:
 
 def segment_command(scene: dict[str, Any], out: Path, frames: str, *options: Any) -> list[str]:
     settings = ["--spec", json.dumps(scene), "--folder", str(out.parent), "--frames", frames, "--out", str(out)]
-    return [sys.executable, "-m", rounding.segment(), *settings, "--arch", "cpu", *map(str, options)]
+    return [sys.executable, "-m", rounding.segment(), *settings, "--arch", "cpu", "--threads", "1", *map(str, options)]
 
 
 def run_segment(scene: dict[str, Any], out: Path, frames: str, *options: Any) -> subprocess.CompletedProcess[str]:

@@ -165,7 +165,9 @@ def test_one_thread_and_many_do_the_same(integrator, monkeypatch):
     found = []
     for alone in (4000, 0):
         monkeypatch.setattr("sim.cloth.mesh.ALONE", alone)
-        made = part({"sheet": sheet((1, 1), spacing=0.1, pins=["left"])}, integrator=integrator, air={}, **EXACT)
+        made = part(
+            {"sheet": sheet((1, 1), spacing=0.1, pins=["left"])}, integrator=integrator, air={}, threads=2, **EXACT
+        )
         step(made, 0.1, 0.005)
         found.append(places(made))
     assert np.allclose(*found, rtol=0, atol=1e-6)

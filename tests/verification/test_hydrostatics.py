@@ -38,7 +38,8 @@ def pool(tmp_path_factory):
             "volume": {"type": "volume", "rate": 100},
         },
     }
-    assert simulate(SimulationSpec.model_validate(spec), out, out, first=0, last=12, arch="cpu", quiet=True) == 0
+    options = {"arch": "cpu", "threads": 1, "quiet": True}
+    assert simulate(SimulationSpec.model_validate(spec), out, out, first=0, last=12, **options) == 0
     return out
 
 

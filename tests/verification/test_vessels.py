@@ -49,7 +49,7 @@ def test_a_glass_holds_its_water_at_its_level_and_weighs_as_much(simulate, tmp_p
             "push": {"type": "force", "body": "glass", "rate": 50},
         },
     }
-    out = simulate(data, 8, threads=2)
+    out = simulate(data, 8, threads=1)
     x = positions(read_frame(out, 8))
     assert len(x) == pytest.approx(np.pi * RADIUS**2 * HEIGHT / SPACING**3, rel=0.005)
     outermost = np.hypot(x[:, 0], x[:, 2]).max()
@@ -81,7 +81,7 @@ def test_heavy_bodies_rest_on_the_ground_and_a_light_one_leaves_it(simulate):
         "fluid": {"solver": "dfsph", "particle_radius": spacing / 2, "bodies": {"water": water}},
         "rigid": {"bodies": bodies},
     }
-    out = simulate(data, 50, threads=2)
+    out = simulate(data, 50, threads=1)
     table = read_table(out / "bodies.csv")
 
     def height(name):

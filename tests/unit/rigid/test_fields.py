@@ -30,7 +30,7 @@ def _lookup(shape, points: np.ndarray) -> np.ndarray:
     """Directions and distances of world points [m], shape [n, 4], by the kernels."""
     from sim import runtime
 
-    runtime.start(threads=2, arch="cpu")
+    runtime.start(threads=1, arch="cpu")
     import taichi as ti
 
     from sim.double import Quaternions, Vectors

@@ -51,7 +51,7 @@ def films(body: dict, pressure, water: dict | None = None) -> np.ndarray:
     body = {"motion": "dynamic", "density": 2000.0, **body}
     scene = pool("dfsph", 0.02, (0.6, 0.6, 0.5), 0.3, body)
     scene["fluid"]["bodies"]["water"] |= water or {}
-    run = Run(SimulationSpec.model_validate(scene), Path(), arch="cpu")
+    run = Run(SimulationSpec.model_validate(scene), Path(), threads=1, arch="cpu")
     run.start()
     system = run.world.fluid.system
     position = system.particles.numpy("position")

@@ -25,7 +25,7 @@ LAST = 3
 
 def live(spec: SimulationSpec, folder) -> Run:
     """A run to which the changes come, each before the step of its number."""
-    run = Run(spec, folder, threads=2, arch="cpu", warn=lambda text: None)
+    run = Run(spec, folder, threads=1, arch="cpu", warn=lambda text: None)
     run.start()
     coming = dict(CHANGES)
 
@@ -50,6 +50,6 @@ def test_events_that_come_in_give_the_bytes_of_those_known_from_the_start(simula
     run = live(SimulationSpec.model_validate(data), folder)
     assert len(run.spec.events) == len(CHANGES)
     assert len({event.at for event in run.spec.events}) > 2, "all at frames: nothing came in between two steps"
-    again = simulate(run.spec.model_dump(mode="json", exclude_none=True), LAST, "again", threads=2)
+    again = simulate(run.spec.model_dump(mode="json", exclude_none=True), LAST, "again", threads=1)
     names = [f"fluid_{frame:05d}.ply" for frame in range(LAST + 1)] + ["bodies.csv"]
     assert [name for name in names if (folder / name).read_bytes() != (again / name).read_bytes()] == []

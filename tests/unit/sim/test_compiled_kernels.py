@@ -51,8 +51,9 @@ ADDED = {
 def summary(out: Path, scene: dict = TANK, **fluid) -> dict:
     """Of two frames, simulated in a process of their own."""
     spec = {"fps": 100, "fluid": FLUID | fluid} | scene
-    command = [sys.executable, "-m", "sim.segment", "--folder", out, "--frames", "0:1", "--out", out, "--arch", "cpu"]
-    done = subprocess.run([*command, "--spec", json.dumps(spec)], cwd=ROOT, capture_output=True, text=True)
+    command = [sys.executable, "-m", "sim.segment", "--folder", out, "--frames", "0:1", "--out", out]
+    options = ["--spec", json.dumps(spec), "--arch", "cpu", "--threads", "1"]
+    done = subprocess.run([*command, *options], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads((out / "summary.json").read_text())
 
