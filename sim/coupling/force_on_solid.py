@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
-from sim.arrays import numpy_real, vec4
 from sim.fluid.friction import find_grip
 from sim.fluid.reaction import INERTIA, Reaction
 from sim.fluid.system import FluidSystem
@@ -77,11 +75,7 @@ def _pressed(
     region: np.ndarray | None,
 ) -> np.ndarray:
     """Wrench on a solid, shape [6], of pressures as q that acted where particles would have gone [m], shape [n, 3]."""
-    here = ti.ndarray(vec4, len(points))
-    here.from_numpy(np.column_stack((points, np.zeros(len(points)))).astype(numpy_real))
-    faces = system.boundary.elsewhere
-    faces.find(here, len(points))
-    faces.place(here, here, len(points), 0.0)
+    faces = system.boundary.around(points)
     begin, size = faces.begin.to_numpy()[: len(points)], faces.size.to_numpy()[: len(points)]
     particle = np.repeat(np.arange(len(points)), size)
     entry = np.repeat(begin, size) + np.arange(len(particle)) - np.repeat(np.cumsum(size) - size, size)

@@ -5,13 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import taichi as ti
 
-from sim.arrays import numpy_real, vec4
 from sim.fluid.kernel import cubic_host
 
 if TYPE_CHECKING:
-    from sim.fluid.system import FluidSystem
     from sim.probes import FluidView
 
 FEWEST = 8
@@ -31,8 +28,10 @@ def pressure_at(view: FluidView, at: np.ndarray) -> float:
     near = np.linalg.norm(away, axis=1) < view.h
     system = view.world.fluid.system
     if near.any() and system.boundary.shapes.count:
-        normal, distance = _faces(system, at - view.world.origin)
-        near &= np.all(away @ normal.T + distance > 0, axis=1)
+        faces = system.boundary.around(at[None] - view.world.origin)
+        listed = slice(faces.begin.to_numpy()[0], faces.begin.to_numpy()[0] + faces.size.to_numpy()[0])
+        found = faces.face.to_numpy()[listed].astype(np.float64)
+        near &= np.all(away @ found[:, :3].T + found[:, 3] > 0, axis=1)
     away, pressure = away[near], view.pressure[near]
     weight = cubic_host(np.linalg.norm(away, axis=1), view.h) * view.mass / np.maximum(view.density[near], 1)
     total = weight.sum()
@@ -45,15 +44,3 @@ def pressure_at(view: FluidView, at: np.ndarray) -> float:
         return float(mean)
     slope = np.linalg.solve(spread, (away - centre).T @ (weight * (pressure - mean)) / total)
     return max(0.0, float(mean - slope @ centre))
-
-
-def _faces(system: FluidSystem, point: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Normals, shape [n, 3], and distances [m] of the solids within reach of a point, in local coordinates [m]."""
-    here = ti.ndarray(vec4, 1)
-    here.from_numpy(np.array([[*point, 0.0]], dtype=numpy_real))
-    faces = system.boundary.elsewhere
-    faces.find(here, 1)
-    faces.place(here, here, 1, 0.0)
-    begin, size = faces.begin.to_numpy()[0], faces.size.to_numpy()[0]
-    found = faces.face.to_numpy()[begin : begin + size].astype(np.float64)
-    return found[:, :3], found[:, 3]

@@ -19,8 +19,9 @@ def warnings(obstacles: Obstacles, spacing: float) -> Iterator[str]:
     for item in obstacles.dynamic.values():
         thickness, least = _thickness(item)
         if thickness < (1 - 1e-3) * least * spacing:
+            spacings = "two particle spacings" if least == THIN else "a particle spacing"
             yield (
-                f"'{item.name}' is {1000 * thickness:.3g} mm thick, less than {least:g} particle spacings, "
+                f"'{item.name}' is {1000 * thickness:.3g} mm thick, less than {spacings}, "
                 f"{1000 * least * spacing:.3g} mm: fluid may hold it where it should sink or rise; "
                 f"a particle_radius of {thickness / least / 2:.3g} m would do"
             )

@@ -100,6 +100,14 @@ class Boundary:
         """Find what solids are to particles that will be `ahead` [s], in `faces`; without `pulls` these stay."""
         self.faces.place(position, velocity, count, ahead, pulls=pulls)
 
+    def around(self, points: np.ndarray) -> Faces:
+        """What solids are to other points than the particles [m], shape [n, 3], until the next are asked for."""
+        here = ti.ndarray(vec4, len(points))
+        here.from_numpy(np.column_stack((points, np.zeros(len(points)))).astype(numpy_real))
+        self.elsewhere.find(here, len(points))
+        self.elsewhere.place(here, here, len(points), 0.0)
+        return self.elsewhere
+
     def hold_off(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
         """Keep particles on their side of what is thin."""
         self.held_off += self.faces.hold_off(position, velocity, count, GAP * self.spacing)
