@@ -1,0 +1,79 @@
+"""A ball that is dropped on water, and a cube that sinks in it, as they were measured.
+
+Kramer et al. 2021 (Energies 14, 269): a sphere half as dense as water, D = 300 mm, let go 30, 90 or 150 mm above where
+it floats; how far it dives below that, and when. Wu et al. 2014: a cube of 20 mm, 2.12 times as dense as water, let go
+at the surface; how fast it is in the middle of its way.
+
+Both are slowed by the shear stress of SPH's pressure force, which falls with the spacing and, by a half, where the
+support has 2.2 spacings instead of 2 (docs/accuracy.md). The bounds are half a spacing over the radius of the ball and
+over the edge of the cube, 8 %; twice that by default.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.particles import read_table
+from tests.solvers import run
+from workflow.scene import load
+
+BENCH = Path(__file__).resolve().parents[2] / "scenes" / "bench"
+RADIUS, MASS, WATER, AREA, DEPTH = 0.15, 7.056, 998.2, 1.2**2, 0.6
+TROUGHS = {0.03: 0.02493, 0.09: 0.07573, 0.15: 0.12862}
+"""How far below its rest the ball dives, by how far above it is let go [m]."""
+PERIODS = {0.03: 0.7869, 0.09: 0.8093, 0.15: 0.8671}
+"""The first, damped [s]."""
+SPEED = (0.0845 - 0.0500) / 0.081
+"""Of the cube between 0.199 and 0.280 s [m/s]."""
+SUPPORTS = pytest.mark.parametrize(("support", "spacings"), [(4.4, 0.5), (4, 1.0)])
+"""Over the particle radius, and the error that is allowed, in spacings."""
+
+
+def simulated(out: Path, name: str, last: int, *overrides: str) -> np.ndarray:
+    """bodies.csv of a scene of the benchmarks."""
+    scene = load(BENCH / f"{name}.yaml", overrides=overrides)
+    run(scene.simulation.model_dump(mode="json", exclude_none=True), out, last)
+    return read_table(out / "bodies.csv")
+
+
+def rest(drop: float) -> float:
+    """Height at which the ball floats [m] that is let go `drop` above that: what it takes of the water at first is not
+    there."""
+    height = DEPTH
+    for _ in range(30):
+        under = np.clip(DEPTH - (height + drop - RADIUS), 0, 2 * RADIUS)
+        taken = np.pi * under**2 * (3 * RADIUS - under) / 3
+        height = DEPTH + (MASS / WATER - taken) / AREA
+    return float(height)
+
+
+@pytest.mark.slow
+@SUPPORTS
+@pytest.mark.parametrize("drop", TROUGHS)
+def test_a_ball_dives_as_deep_as_kramer_measured(tmp_path, drop, support, spacings):
+    """On 6.25 spacings to the radius; the trough comes half a period after the start, to a tenth of that."""
+    spacing = 0.024
+    level = rest(drop)
+    settings = [f"fluid.particle_radius={spacing / 2}", f"fluid.support_ratio={support}"]
+    table = simulated(tmp_path, "heave", 50, f"rigid.bodies.ball.position=[0, {level + drop}, 0]", *settings)
+    lowest = table["y"].argmin()
+    depth, time = level - table["y"][lowest], table["time"][lowest]
+    print(f"drop {drop}, support {support}: {1000 * depth:.1f} mm at {time:.2f} s, {depth / TROUGHS[drop]:.3f}")
+    assert depth == pytest.approx(TROUGHS[drop], rel=spacings * spacing / RADIUS)
+    assert time == pytest.approx(PERIODS[drop] / 2, rel=0.1)
+
+
+@pytest.mark.slow
+@SUPPORTS
+def test_a_cube_sinks_as_fast_as_wu_measured(tmp_path, support, spacings):
+    """Six spacings wide."""
+    spacing = 0.02 / 6
+    settings = [f"fluid.particle_radius={spacing / 2}", f"fluid.support_ratio={support}"]
+    table = simulated(tmp_path, "sinking", 29, *settings)
+    during = (table["time"] >= 0.199) & (table["time"] <= 0.281)
+    speed = -table["vy"][during].mean()
+    print(f"support {support}: {speed:.3f} of {SPEED:.3f} m/s")
+    assert speed == pytest.approx(SPEED, rel=spacings * spacing / 0.02)
