@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from tests.pipeline.conftest import ROOT, Project, source_tree
 from workflow.ply import read_points
 
+pytestmark = pytest.mark.slow
 FILM = "renders/tiny/foam"
 
 

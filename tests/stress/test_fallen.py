@@ -10,6 +10,7 @@ import pytest
 
 from sim.fluid.limits import fall_limit
 from sim.world import LEAST_DEPTH
+from tests.in_time import in_time
 from tests.particles import positions, read_frame, read_table
 from tests.solvers import STRESSED
 from tests.stress.scenes import assert_nothing_broken
@@ -66,7 +67,7 @@ def test_what_falls_alone_does_not_limit_the_step(simulate, solver):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph")])
 def test_what_has_fallen_out_of_the_scene_is_gone_and_told(simulate, capfd, solver):
     """By y = y0 - g t^2 / 2 it is 5 m, over the size of the scene, below the table at sqrt(2 (y0 + TOP + 5) / g)."""
     out = simulate(spill(solver), 24, threads=1, quiet=False)
@@ -106,6 +107,7 @@ def test_what_may_still_be_caught_stays(simulate, change):
     assert len(read_frame(out, 24)) == 3
 
 
+@pytest.mark.slow
 def test_a_floor_keeps_everything(simulate):
     floor = {"ground": {"shape": {"type": "plane"}, "position": [0, -6, 0], "motion": "static"}}
     scene = spill("dfsph")

@@ -16,6 +16,7 @@ from sim.fluid.part import FluidState
 from sim.preview import preview
 from sim.spec import SimulationSpec
 from sim.world import Counts, World
+from tests.in_time import in_time
 from tests.particles import positions, read_frame
 from tests.solvers import run, steps
 
@@ -68,7 +69,7 @@ def check(data: dict, volume: float, *, within: float = 1.01) -> np.ndarray:
     return points
 
 
-@pytest.mark.parametrize("wall", [0.25, 0.8, 1, 2])
+@pytest.mark.parametrize("wall", [0.25, 1, *in_time(0.8, 2)])
 @pytest.mark.parametrize("height", [0.12, 0.124])
 def test_cylinder_of_the_glass_s_radius_fills_it(tmp_path, wall, height):
     water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": height}, "position": [0, height / 2, 0]}
@@ -79,7 +80,7 @@ def test_cylinder_of_the_glass_s_radius_fills_it(tmp_path, wall, height):
     assert -0.45 * D > points[:, 1].max() - height > -0.65 * D
 
 
-@pytest.mark.parametrize("wall", [0.25, 1, 2])
+@pytest.mark.parametrize("wall", [0.25, 1, *in_time(2)])
 def test_cylinder_into_the_middle_of_the_wall_stays_in_the_glass(tmp_path, wall):
     water = {"shape": {"type": "cylinder", "radius": RADIUS + wall * D / 2, "height": 0.12}, "position": [0, 0.06, 0]}
     data = scene({"water": water}, {"glass": glass(tmp_path / "glass.ply", wall * D)})
@@ -88,7 +89,7 @@ def test_cylinder_into_the_middle_of_the_wall_stays_in_the_glass(tmp_path, wall)
     assert np.hypot(points[:, 0], points[:, 2]).max() < RADIUS
 
 
-@pytest.mark.parametrize("wall", [0.25, 1, 2])
+@pytest.mark.parametrize("wall", [0.25, 1, *in_time(2)])
 def test_water_on_both_sides_of_a_thin_wall(tmp_path, wall):
     water = {"shape": {"type": "box", "size": [0.2, 0.1, 0.2]}, "position": [0, 0.05, 0]}
     data = scene({"water": water}, {"glass": glass(tmp_path / "glass.ply", wall * D)})

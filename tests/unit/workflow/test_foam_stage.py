@@ -51,6 +51,7 @@ def within(path, radius) -> int:
     return int((sum(points[axis].astype(float) ** 2 for axis in "xyz") < radius**2).sum())
 
 
+@pytest.mark.slow
 def test_bodies_keep_foam_out_while_they_are_there(simulation, tmp_path):
     assert make(simulation, tmp_path / "free") == 0
     add_ball(simulation)
