@@ -22,7 +22,7 @@ from tests.sharp_bodies import SPACING, export, sharp_bodies
 
 pytestmark = pytest.mark.usefixtures("taichi")
 H = 2 * SPACING
-SOME, MORE = (3.0, 4.0), (4.5, 5.0, 6.0)
+SOME, MORE = (4.0,), (3.0, 4.5, 5.0, 6.0)
 """Support radius over the particle radius: always, and where there is time."""
 RATIOS = [*SOME, *in_time(*MORE)]
 UP = np.array([0.0, 1.0, 0.0])

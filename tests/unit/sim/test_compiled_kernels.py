@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.in_time import in_time
+
 ROOT = Path(__file__).resolve().parents[3]
 FLUID = {"solver": "dfsph", "particle_radius": 0.02, "bodies": {"b": {"shape": {"type": "sphere", "radius": 0.06}}}}
 FEATURES = {
@@ -69,7 +71,7 @@ def test_a_scene_without_features_compiles_none_of_their_kernels(tmp_path):
     assert told["chosen"] == {"fluid.viscosity_solver": "explicit"}
 
 
-@pytest.mark.parametrize("feature", FEATURES)
+@pytest.mark.parametrize("feature", [*list(FEATURES)[::2], *in_time(*list(FEATURES)[1::2])])
 def test_a_scene_with_a_feature_compiles_its_kernels(tmp_path, feature):
     told = summary(tmp_path, **FEATURES[feature])
     assert modules(told) & set(FEATURES) == {feature}
