@@ -22,7 +22,7 @@ START, STOP, END = 1.6, 3.2, 5.2
 HEAVY = pytest.param(
     D,
     2000,
-    marks=pytest.mark.xfail(strict=True, reason="stops while it is filled: the density rises to twice rest density"),
+    marks=pytest.mark.xfail(strict=True, reason="stops with exit 3 while it is filled: particles are too fast"),
 )
 
 
