@@ -4,7 +4,7 @@ import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
-from sim.fluid.boundary.look import FAR, fronts, look, on_form, surface_velocity, to_own, to_world
+from sim.fluid.boundary.look import FAR, half_spaces, look, surface_velocity, to_own, to_world
 from sim.geometry.fields import GRID, PLANE
 from sim.geometry.narrow_band import OPPOSITE
 from sim.neighbors import padded
@@ -141,13 +141,7 @@ def find(
                 wanted = _beside(s, x, x, reach, boxes)
             if wanted:
                 p = to_own(s, x, pose)
-                one, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-                if kind[s] == GRID:
-                    if ti.static(kinds >> GRID & 1):
-                        one, second, third = fronts(s, p, half[s].w, frame, lattice, table, nodes)
-                else:
-                    one = on_form(s, p, kind, half, shift, kinds)
-                    one.w = one.xyz.dot(ti.cast(p, real)) - one.w
+                one, second, third = half_spaces(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)
                 for c in range(3):
                     front = one if c == 0 else (second if c == 1 else third)
                     if front.xyz.dot(ti.cast(p, real)) - front.w < reach and front.w < FAR:
@@ -340,12 +334,7 @@ def hold_off(
             at = ti.cast(p, real)
             side = near[e]
             if side.xyz.dot(at) - side.w < 0.0 and kind[s] != PLANE:
-                one = vec4(0.0, 1.0, 0.0, FAR)
-                if kind[s] == GRID:
-                    if ti.static(kinds >> GRID & 1):
-                        one = fronts(s, p, half[s].w, frame, lattice, table, nodes)[0]
-                else:
-                    one = on_form(s, p, kind, half, shift, kinds)
+                one = half_spaces(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)[0]
                 if one.w < FAR and one.xyz.dot(side.xyz) < OPPOSITE:
                     normal = to_world(s, side.xyz, pose)
                     position[i].xyz = x + (gap + side.w - side.xyz.dot(at)) * normal

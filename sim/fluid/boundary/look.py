@@ -157,6 +157,31 @@ def on_form(
 
 
 @ti.func
+def half_spaces(
+    s: ti.i32,
+    p: vec3d,
+    kind: IntArray,
+    size: Vec4Array,
+    shift: ti.types.vector(2, real),
+    kinds: ti.template(),
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+):
+    """Normals and offsets of up to three half-spaces that a solid is to p, whatever it was before; FAR where it is
+    none."""
+    first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
+    if kind[s] == GRID:
+        if ti.static(kinds >> GRID & 1):
+            first, second, third = fronts(s, p, size[s].w, frame, lattice, table, nodes)
+    else:
+        one = on_form(s, p, kind, size, shift, kinds)
+        first = vec4(one.xyz, one.xyz.dot(ti.cast(p, real)) - one.w)
+    return first, second, third
+
+
+@ti.func
 def on_primitive(what: ti.i32, p: vec3d, half: vec4, kinds: ti.template(), shift: ti.types.vector(2, real)) -> vec4:
     """In closed form; only the kinds that a scene has are compiled."""
     first, second = ti.cast(half.x, ti.f64), ti.cast(half.y, ti.f64)
