@@ -28,7 +28,7 @@ class Dfsph(Iisph):
         if solution.iterations:
             if self.system.bodies:
                 self.system.bodies.nudge(dt)
-                self.system.boundary.place(particles.position, particles.velocity, self.system.count, 0.0)
+                self.system.meet()
             self.system.lead()
             self.examine(dt)
             if self.system.remembers:

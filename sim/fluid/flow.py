@@ -140,6 +140,7 @@ class Flow:
                 "velocity": np.tile(np.array(velocity, numpy_real), (count, 1)),
                 "acceleration": np.zeros((count, 4), numpy_real),
                 "tag": np.column_stack((first + np.arange(count), np.full(count, LED - number))).astype(np.int32),
+                "slack": np.zeros(count, numpy_real),
             }
         )
         self.counts.particles_emitted += count

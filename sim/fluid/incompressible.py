@@ -85,7 +85,7 @@ class Incompressible:
             system.bodies.hold_off(dt)
         system.boundary.hold_off(particles.position, particles.velocity, system.count)
         system.exchange(dt)
-        system.find_neighbors()
+        system.find_neighbors(dt=dt)
         self.examine(dt)
         return told
 

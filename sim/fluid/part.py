@@ -33,13 +33,14 @@ class FluidState:
     """The particles between steps: what a checkpoint keeps and an event hands on.
 
     position, velocity, acceleration: shape [n, 4], of which three columns are coordinates relative to the world's
-    origin; tag: identity and index of the fluid body, shape [n, 2].
+    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: of particles that were caught [m], shape [n].
     """
 
     position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     velocity: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     tag: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
+    slack: np.ndarray = field(default_factory=lambda: np.zeros(0, numpy_real))
 
     @property
     def count(self) -> int:
@@ -92,6 +93,7 @@ def pour(
         velocity=np.column_stack((source.flow.at(found.points), np.full(count, fluid.rest_density))).astype(numpy_real),
         acceleration=np.zeros((count, 4), numpy_real),
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
+        slack=np.zeros(count, numpy_real),
     )
     return state.joined(fresh), found
 

@@ -103,7 +103,7 @@ class Projection:
         """
         system = self.system
         particles, boundary = system.particles, system.boundary
-        boundary.place(particles.position, particles.velocity, system.count, dt)
+        system.meet(dt)
         _predict(
             system.count,
             dt,

@@ -21,6 +21,7 @@ PARTICLES = (
     Declared("velocity", "vec4", "m/s; w: density [kg/m^3]"),
     Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
+    Declared("slack", "real", "how much nearer to solids than a layer it may be, after it was caught between two [m]"),
 )
 
 
@@ -139,6 +140,7 @@ class FluidSystem:
         self.grid = HashGrid(0, self.h * (1 + skin))
         self.neighbors = NeighborList(64)
         self._skin = skin * self.h
+        self._fall = float(np.linalg.norm(gravity)) * spec.spacing
         self._way_left = 0.0
         self.remembers = hasattr(self.particles, "pressed")
         """Whether it is kept which pressures acted where in the step, for who asks for them."""
@@ -187,30 +189,55 @@ class FluidSystem:
         if self.flow:
             self.flow.lead()
 
-    def find_neighbors(self, way: float = float("inf")) -> None:
+    def meet(
+        self,
+        ahead: float = 0.0,
+        *,
+        since: float | None = None,
+        position: ti.Ndarray | None = None,
+        pulls: bool = True,
+    ) -> None:
+        """Find what solids are to particles that will be `ahead` [s], or at `position`; without `pulls` these stay.
+        `since`: the time [s] by which to let out what was caught between two."""
+        particles = self.particles
+        self.boundary.faces.place(
+            particles.position if position is None else position,
+            particles.velocity,
+            self.count,
+            ahead,
+            slack=particles.slack,
+            since=since,
+            fall=self._fall,
+            rest_density=self.spec.rest_density,
+            pulls=pulls,
+        )
+
+    def find_neighbors(self, way: float = float("inf"), dt: float = 0.0) -> None:
         """Sort the particles by cell, list their neighbours, of the fluid and of the boundary, and find what solids are
         to them where all are now.
 
-        `way`: how far [m] any of them has moved at most since the last call; lists are kept while they hold all pairs.
+        `way`: how far [m] any of them has moved at most since the last call, `dt` [s] before; lists are kept while they
+        hold all pairs.
         """
         self._way_left -= way
         if not self.count:
             return
         if self._way_left > 0:
-            self.boundary.place(self.particles.position, self.particles.velocity, self.count, 0.0)
+            self.meet(since=dt)
             return
         self._way_left = self._skin / 2
         self.particles.reorder(self.grid.sort(self.particles.position, self.count))
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
-        self.find_solids()
+        self.find_solids(dt)
         self.boundary.faces.sever(position, self.count, self.neighbors)
         if self.bodies:
             self.bodies.list()
 
-    def find_solids(self) -> None:
-        """List the solids near particles as they lie, which need not be sorted."""
-        self.boundary.find_neighbors(self.particles.position, self.particles.velocity, self.count)
+    def find_solids(self, dt: float = 0.0) -> None:
+        """List the solids near particles as they lie, which need not be sorted, `dt` [s] after the last time."""
+        self.boundary.list(self.particles.position, self.count)
+        self.meet(since=dt)
 
     def pressures(self) -> np.ndarray:
         """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""

@@ -70,7 +70,7 @@ class Wcsph:
         boundary.hold_off(particles.position, particles.velocity, self.system.count)
         way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
         self.system.exchange(dt)
-        self._accelerate(way)
+        self._accelerate(way, dt)
         if self.system.bodies:
             self.system.bodies.strike(dt, self.momentum)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
@@ -78,9 +78,9 @@ class Wcsph:
         self.system.lead()
         return told
 
-    def _accelerate(self, way: float = float("inf")) -> None:
+    def _accelerate(self, way: float = float("inf"), dt: float = 0.0) -> None:
         system = self.system
-        system.find_neighbors(way)
+        system.find_neighbors(way, dt)
         particles = system.particles
         _density(
             system.count,

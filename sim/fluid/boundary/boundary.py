@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import taichi as ti
@@ -82,10 +82,9 @@ class Boundary:
         if self.sheets:
             self._sheet_speed = self.sheets.move(self.samples, self.velocity)
 
-    def find_neighbors(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
+    def list(self, position: ti.Ndarray, count: int) -> None:
         """List the solids and samples near each of `count` particles."""
         self.faces.find(position, count)
-        self.place(position, velocity, count, 0.0)
         while self.sheets and count:
             self.sheets.find(position, count)
             self.neighbors.reserve(count)
@@ -93,12 +92,6 @@ class Boundary:
             if longest <= self.neighbors.capacity:
                 return
             self.neighbors.grow(longest)
-
-    def place(
-        self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, ahead: float, *, pulls: bool = True
-    ) -> None:
-        """Find what solids are to particles that will be `ahead` [s], in `faces`; without `pulls` these stay."""
-        self.faces.place(position, velocity, count, ahead, pulls=pulls)
 
     def around(self, points: np.ndarray) -> Faces:
         """What solids are to other points than the particles [m], shape [n, 3], until the next are asked for."""

@@ -16,6 +16,10 @@ NARROW, WIDE = 1.6, 2.4
 INCLINED, STRAIGHT = 0.9, 0.98
 """Cosines of the angle between two solids up to which what is in a gap can get out, and from which it is caught: at the
 mouth of a gap, where the nearest point is on an edge, nothing gets in."""
+TIGHTEST = 0.25
+"""Spacings under which a gap counts as so wide for what is caught in it."""
+LET_OUT, PRESSED = 0.25, 0.05
+"""Of the pace of a particle that was caught, how fast its slack falls, and the compression at which it does not."""
 SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
 """The same of slim bodies."""
 TOUCHING = 1e-3
@@ -163,6 +167,11 @@ def place(
     fit: vec4,
     position: Vec4Array,
     velocity: Vec4Array,
+    has_slack: ti.i32,
+    slack: RealArray,
+    since: real,
+    fall: real,
+    rest_density: real,
     pose: DoubleTable,
     kind: IntArray,
     half: Vec4Array,
@@ -182,6 +191,7 @@ def place(
     near: Vec4Array,
     face: Vec4Array,
     weight: RealArray,
+    steep: RealArray,
     held: RealArray,
     pull: Vec4Array,
     share: Vec4Array,
@@ -191,7 +201,9 @@ def place(
     both, and so does one behind the other, as far as they do.
 
     Fluid that is caught in a gap narrower than a layer stays there as a layer: what the solids add does not grow while
-    they come nearer, so that nothing is squeezed out like a ball of steel.
+    they come nearer, so that nothing is squeezed out like a ball of steel. Nor is it shot out at the mouth of the gap,
+    where nothing catches it any more: its slack falls with time, as fast as it moves and falls over a spacing. `since`:
+    time [s] by which to bring it on, or less than none; fall: g d [m^2/s^2].
     """
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
@@ -204,16 +216,32 @@ def place(
                 p = to_own(s, x, pose)
                 one = look(s, p, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
+            loose = ti.cast(0.0, real)
+            if has_slack == 1:
+                loose = slack[i]
+            if since >= 0.0:
+                pace = ti.sqrt(fall + velocity[i].xyz.dot(velocity[i].xyz))
+                pace *= LET_OUT * ti.math.clamp(1.0 - (velocity[i].w / rest_density - 1.0) / PRESSED, 0.0, 1.0)
+                loose = ti.max(loose - since * pace, 0.0)
+                for e in range(first, last):
+                    for other in range(first, e):
+                        if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
+                            narrow = 0.5 * (spacing - face[e].w - face[other].w)
+                            loose = ti.max(loose, straight(face[e], face[other]) * narrow)
+                slack[i] = loose
             for e in range(first, last):
-                open_gap, caught = ti.cast(1.0, real), ti.cast(0.0, real)
+                open_gap, tight, gap, between, partner = ti.cast(1.0, real), ti.cast(0.0, real), spacing, spacing, e
                 for other in range(first, last):
                     if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                        gap = face[e].w + face[other].w
-                        open_gap = ti.min(open_gap, wide(gap, spacing, slim[solid[e]]))
-                        against = -face[e].xyz.dot(face[other].xyz)
-                        straight = ti.math.clamp((against - INCLINED) / (STRAIGHT - INCLINED), 0.0, 1.0)
-                        caught = ti.max(caught, 0.5 * straight * (spacing - gap))
-                weight[e] = caught
+                        between = face[e].w + face[other].w
+                        open_gap = ti.min(open_gap, wide(between, spacing, slim[solid[e]]))
+                        found = straight(face[e], face[other])
+                        if between < gap and found > 0.0:
+                            tight, gap, partner = found, between, other
+                scale = spacing / ti.max(gap, TIGHTEST * spacing)
+                layer = 0.5 * (spacing + scale * (face[e].w - face[partner].w)) - face[e].w
+                weight[e] = tight * layer + (1.0 - tight) * ti.max(ti.min(loose, 0.5 * spacing - face[e].w), 0.0)
+                steep[e] = 1.0 + tight * (scale - 1.0)
                 if has_pull == 1:
                     pull[e].w = open_gap
             for e in range(first, last):
@@ -235,7 +263,7 @@ def place(
             for e in range(first, last):
                 left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
                 counts = 1.0 - left * left / fit.y * (1.0 - void / left)
-                one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
+                one = counts * weight[e] * steep[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
                     acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
                     pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
@@ -243,6 +271,12 @@ def place(
                 closing -= one.dot(surface_velocity(solid[e], x, pose))
         share[i] = vec4(gradient, total)
         rate[i] = closing
+
+
+@ti.func
+def straight(one: vec4, other: vec4) -> real:
+    """How far what is between two surfaces that face each other can not get out: from 0 to 1."""
+    return ti.math.clamp((-one.xyz.dot(other.xyz) - INCLINED) / (STRAIGHT - INCLINED), 0.0, 1.0)
 
 
 @ti.func

@@ -54,7 +54,7 @@ class Faces:
             self._member = ti.ndarray(ti.i32, -(-self._entries // GROUP))
             self.solid, self.particle = ti.ndarray(ti.i32, self._entries), ti.ndarray(ti.i32, self._entries)
             self._near, self.face, self.pull = (ti.ndarray(vec4, self._entries) for _ in range(3))
-            self.weight, self.held = ti.ndarray(real, self._entries), ti.ndarray(real, self._entries)
+            self.weight, self.held, self._steep = (ti.ndarray(real, self._entries) for _ in range(3))
 
     @property
     def lists(self) -> tuple[object, ...]:
@@ -110,9 +110,23 @@ class Faces:
         )
 
     def place(
-        self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, ahead: float, *, pulls: bool = True
+        self,
+        position: ti.Ndarray,
+        velocity: ti.Ndarray,
+        count: int,
+        ahead: float,
+        *,
+        slack: ti.Ndarray | None = None,
+        since: float | None = None,
+        fall: float = 0.0,
+        rest_density: float = 1.0,
+        pulls: bool = True,
     ) -> None:
-        """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay."""
+        """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay.
+
+        slack: how much nearer to solids than a layer points may be [m]; brought on by the time `since` the last step
+        [s], where that is given, during which it falls as fast as they would over a height of half `fall` / g [m].
+        """
         if not self.shapes.count:
             return
         face_sums.place(
@@ -123,6 +137,11 @@ class Faces:
             self.fit,
             position,
             velocity,
+            slack is not None,
+            slack if slack is not None else self.rate,
+            -1.0 if since is None else since,
+            fall,
+            rest_density,
             *self._looks,
             self.shapes.bend,
             self.shapes.firm,
@@ -134,6 +153,7 @@ class Faces:
             self._near,
             self.face,
             self.weight,
+            self._steep,
             self.held,
             self.pull,
             self.share,
@@ -159,4 +179,4 @@ class Faces:
     @property
     def bytes(self) -> int:
         number = np.dtype(numpy_real).itemsize
-        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)
+        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 15 * number)
