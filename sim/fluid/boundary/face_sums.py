@@ -16,9 +16,13 @@ NARROW, WIDE = 1.6, 2.4
 INCLINED, STRAIGHT = 0.9, 0.98
 """Cosines of the angle between two solids up to which what is in a gap can get out, and from which it is caught: at the
 mouth of a gap, where the nearest point is on an edge, nothing gets in."""
-TIGHTEST = 0.25
+FACED = 0.5
+"""The cosine from which it has less room than a layer."""
+TIGHTEST = 0.5
 """Spacings under which a gap counts as so wide for what is caught in it."""
-LET_OUT, PRESSED = 0.25, 0.05
+CENTRED, HELD = 0.2, 0.15
+"""Of its way to the middle of a gap, how far a caught particle is led in a step, and the slack from which it is."""
+LET_OUT, PRESSED = 0.15, 0.05
 """Of the pace of a particle that was caught, how fast its slack falls, and the compression at which it does not."""
 SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
 """The same of slim bodies."""
@@ -191,7 +195,6 @@ def place(
     near: Vec4Array,
     face: Vec4Array,
     weight: RealArray,
-    steep: RealArray,
     held: RealArray,
     pull: Vec4Array,
     share: Vec4Array,
@@ -208,6 +211,9 @@ def place(
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
+        loose, tight, led = ti.cast(0.0, real), ti.cast(0.0, real), ti.cast(0.0, real)
+        if has_slack == 1:
+            loose = slack[i]
         gradient, closing = vec3(0.0), ti.cast(0.0, real)
         if last > first:
             x = position[i].xyz + ahead * velocity[i].xyz
@@ -216,32 +222,42 @@ def place(
                 p = to_own(s, x, pose)
                 one = look(s, p, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
-            loose = ti.cast(0.0, real)
-            if has_slack == 1:
-                loose = slack[i]
             if since >= 0.0:
                 pace = ti.sqrt(fall + velocity[i].xyz.dot(velocity[i].xyz))
-                pace *= LET_OUT * ti.math.clamp(1.0 - (velocity[i].w / rest_density - 1.0) / PRESSED, 0.0, 1.0)
-                loose = ti.max(loose - since * pace, 0.0)
+                pace *= ti.math.clamp(1.0 - (velocity[i].w / rest_density - 1.0) / PRESSED, 0.0, 1.0)
+                loose = ti.max(loose - LET_OUT * since * pace, 0.0)
+            if has_slack == 1:
                 for e in range(first, last):
                     for other in range(first, e):
-                        if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                            narrow = 0.5 * (spacing - face[e].w - face[other].w)
-                            loose = ti.max(loose, straight(face[e], face[other]) * narrow)
+                        narrow = 0.5 * (spacing - face[e].w - face[other].w)
+                        if solid[other] != solid[e] and narrow > 0.0:
+                            loose = ti.max(loose, opposed(face[e], face[other], FACED) * narrow)
+                            held_by = opposed(face[e], face[other], INCLINED) * narrow
+                            if held_by > tight:
+                                tight = held_by
+                                if since > 0.0:
+                                    v = velocity[i].xyz
+                                    speed = surface_velocity(solid[e], x, pose) + surface_velocity(solid[other], x, pose)
+                                    normal = (face[e].xyz - face[other].xyz).normalized()
+                                    off = 0.5 * (face[other].w - face[e].w) * CENTRED / since
+                                    led = ti.min(held_by / (HELD * spacing), 1.0)
+                                    velocity[i].xyz = v + led * (off + normal.dot(0.5 * speed - v)) * normal
+            if since > 0.0 and loose > 0.0:
+                for e in range(first, last):
+                    if face[e].w < 0.5 * spacing:
+                        v = velocity[i].xyz
+                        into = ti.min(face[e].xyz.dot(v - surface_velocity(solid[e], x, pose)), 0.0)
+                        velocity[i].xyz = v - ti.min(loose / (HELD * spacing), 1.0) * (1.0 - led) * into * face[e].xyz
+            if since >= 0.0:
                 slack[i] = loose
             for e in range(first, last):
-                open_gap, tight, gap, between, partner = ti.cast(1.0, real), ti.cast(0.0, real), spacing, spacing, e
+                open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - face[e].w), 0.0)
                 for other in range(first, last):
                     if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                        between = face[e].w + face[other].w
-                        open_gap = ti.min(open_gap, wide(between, spacing, slim[solid[e]]))
-                        found = straight(face[e], face[other])
-                        if between < gap and found > 0.0:
-                            tight, gap, partner = found, between, other
-                scale = spacing / ti.max(gap, TIGHTEST * spacing)
-                layer = 0.5 * (spacing + scale * (face[e].w - face[partner].w)) - face[e].w
-                weight[e] = tight * layer + (1.0 - tight) * ti.max(ti.min(loose, 0.5 * spacing - face[e].w), 0.0)
-                steep[e] = 1.0 + tight * (scale - 1.0)
+                        gap = face[e].w + face[other].w
+                        open_gap = ti.min(open_gap, wide(gap, spacing, slim[solid[e]]))
+                        off = ti.max(off, 0.5 * opposed(face[e], face[other], INCLINED) * (spacing - gap))
+                weight[e] = off
                 if has_pull == 1:
                     pull[e].w = open_gap
             for e in range(first, last):
@@ -263,20 +279,23 @@ def place(
             for e in range(first, last):
                 left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
                 counts = 1.0 - left * left / fit.y * (1.0 - void / left)
-                one = counts * weight[e] * steep[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
+                one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
                     acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
                     pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
                 gradient += one
                 closing -= one.dot(surface_velocity(solid[e], x, pose))
-        share[i] = vec4(gradient, total)
+        elif since >= 0.0:
+            loose = 0.0
+            slack[i] = 0.0
+        share[i] = vec4(gradient, total - 2.0 * loose / ti.max(spacing - 2.0 * loose, TIGHTEST * spacing))
         rate[i] = closing
 
 
 @ti.func
-def straight(one: vec4, other: vec4) -> real:
-    """How far what is between two surfaces that face each other can not get out: from 0 to 1."""
-    return ti.math.clamp((-one.xyz.dot(other.xyz) - INCLINED) / (STRAIGHT - INCLINED), 0.0, 1.0)
+def opposed(one: vec4, other: vec4, least: real) -> real:
+    """How far two surfaces face each other, from 0 where the cosine of their angle is `least` to 1."""
+    return ti.math.clamp((-one.xyz.dot(other.xyz) - least) / (STRAIGHT - least), 0.0, 1.0)
 
 
 @ti.func

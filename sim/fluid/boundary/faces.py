@@ -54,7 +54,7 @@ class Faces:
             self._member = ti.ndarray(ti.i32, -(-self._entries // GROUP))
             self.solid, self.particle = ti.ndarray(ti.i32, self._entries), ti.ndarray(ti.i32, self._entries)
             self._near, self.face, self.pull = (ti.ndarray(vec4, self._entries) for _ in range(3))
-            self.weight, self.held, self._steep = (ti.ndarray(real, self._entries) for _ in range(3))
+            self.weight, self.held = ti.ndarray(real, self._entries), ti.ndarray(real, self._entries)
 
     @property
     def lists(self) -> tuple[object, ...]:
@@ -153,7 +153,6 @@ class Faces:
             self._near,
             self.face,
             self.weight,
-            self._steep,
             self.held,
             self.pull,
             self.share,
@@ -179,4 +178,4 @@ class Faces:
     @property
     def bytes(self) -> int:
         number = np.dtype(numpy_real).itemsize
-        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 15 * number)
+        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)
