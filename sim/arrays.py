@@ -98,7 +98,7 @@ class Particles:
         return {field.name: self.numpy(field.name) for field in self.declared if field.saved}
 
     def load(self, state: dict[str, np.ndarray]) -> None:
-        """Hold what `state` made, with room to grow where that is more than there was; arrays that it lacks are zero."""
+        """Hold what `state` made, with room to grow where that is more than there was; what it lacks is zero."""
         self.count = len(next(iter(state.values()), ()))
         if self.count > self.capacity:
             self.capacity = int(GROWTH * self.count)

@@ -186,7 +186,7 @@ def _refuse_lengths(path: Path, lengths: set[int]) -> None:
 def _array(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarray) -> np.ndarray:
     """One array of a material, of the kind of `like`; raises Refused where it is not."""
     values = arrays.get(name)
-    if values is None or values.dtype != like.dtype or values.shape[1:] != like.shape[1:]:
+    if values is None or values.dtype != like.dtype or values.ndim != like.ndim or values.shape[1:] != like.shape[1:]:
         raise _damaged(path, f"{name} is missing or of another kind")
     if not np.isfinite(values).all():
         raise _damaged(path, f"{name} has values that are not finite")

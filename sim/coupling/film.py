@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 
 from sim.arrays import integer_array, numpy_real, vec3, vec4
 from sim.coupling.film_sums import give_way_at_rims, place, press, press_rims
-from sim.fluid.boundary.face_sums import WIDE
 from sim.fluid.boundary.faces import Faces
+from sim.fluid.boundary.gaps import WIDE
 from sim.fluid.boundary.shapes import MOTION
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance import cover

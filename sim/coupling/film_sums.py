@@ -3,7 +3,7 @@
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
-from sim.fluid.boundary.face_sums import facing, wide
+from sim.fluid.boundary.gaps import facing, wide
 from sim.fluid.kernel import cubic
 
 WET, FULL = 0.25, 0.5

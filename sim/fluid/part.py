@@ -33,7 +33,7 @@ class FluidState:
     """The particles between steps: what a checkpoint keeps and an event hands on.
 
     position, velocity, acceleration: shape [n, 4], of which three columns are coordinates relative to the world's
-    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: of particles that were caught [m], shape [n].
+    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: in gaps [m], shape [n].
     """
 
     position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))

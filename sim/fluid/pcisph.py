@@ -17,6 +17,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces import pressure_sum
 from sim.fluid.incompressible import WORST, Incompressible, kick
@@ -98,6 +99,7 @@ class Pcisph(Incompressible):
             system.particles.solid,
             *system.lists,
             system.boundary.faces.share,
+            system.boundary.faces.excess,
             self._sums,
         )
         return mean, worst
@@ -161,6 +163,7 @@ def _compress(
     sample_size: IntArray,
     sample_index: IntTable,
     solids: Vec4Array,
+    excess: RealArray,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     inverse_h = 1.0 / h
@@ -180,7 +183,8 @@ def _compress(
         elif steep > 0:
             normal = share.xyz.normalized()
             solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
-        predicted[i].w = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
+        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
+        predicted[i].w = relieved(density, rest_density, excess[i]) - rest_density
         if ti.static(has_bodies):
             predicted[i].w -= dt * dt * push[i].w
     for block in range(BLOCKS):

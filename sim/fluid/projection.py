@@ -18,6 +18,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.boundary.gaps import relieved
 from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.solids import approach, sheet_share
@@ -94,6 +95,7 @@ class Projection:
             boundary.velocity,
             boundary.faces.share,
             boundary.faces.rate,
+            boundary.faces.excess,
         )
 
     def predict(self, dt: float) -> None:
@@ -116,6 +118,7 @@ class Projection:
             particles.source,
             *system.lists,
             boundary.faces.share,
+            boundary.faces.excess,
         )
 
 
@@ -145,6 +148,7 @@ def _prepare(
     sample_velocity: Vec4Array,
     solids: Vec4Array,
     solids_rate: RealArray,
+    excess: RealArray,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -184,7 +188,8 @@ def _prepare(
         if ti.static(has_samples):
             closing = approach(x, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
             compression += dt * rest_density * closing
-        source[i] = ti.select(size[i] < fewest_neighbors, -rest_density, compression)
+        free = size[i] < fewest_neighbors or relieved(density, rest_density, excess[i]) < density
+        source[i] = ti.select(free, -rest_density, compression)
 
 
 @ti.kernel
@@ -205,6 +210,7 @@ def _predict(
     sample_size: IntArray,
     sample_index: IntTable,
     solids: Vec4Array,
+    excess: RealArray,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -217,5 +223,6 @@ def _predict(
         share = solids[i]
         if ti.static(has_samples):
             share += sheet_share(x + dt * v.xyz, i, sample_size[i], sample_index, samples, inverse_h)
-        source[i] = mass * norm * (near + itself(size[i])) + rest_density * (share.w - 1.0)
+        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
+        source[i] = relieved(density, rest_density, excess[i]) - rest_density
         solid[i].xyz = rest_density * share.xyz

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, Particles, Vec4Array, real, vec3
+from sim.arrays import Declared, DoubleTable, IntArray, Particles, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.boundary import Boundary
+from sim.fluid.boundary.gaps import relieved
 from sim.fluid.kernel import particle_mass
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
@@ -264,6 +265,7 @@ class FluidSystem:
             self.boundary.faces.begin,
             self.boundary.faces.size,
             self.boundary.faces.face,
+            self.boundary.faces.excess,
             self.h / 2,
             vec3(*self.gravity),
             way,
@@ -307,6 +309,7 @@ def _measure(
     begin: IntArray,
     solids_near: IntArray,
     face: Vec4Array,
+    excess: RealArray,
     deepest: real,
     gravity: vec3,
     way: real,
@@ -330,8 +333,9 @@ def _measure(
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
                 row[7 + axis] += x[axis]
-            row[10] = ti.max(row[10], v.w)
-            row[11] += ti.max(v.w / rest_density - 1.0, 0.0)
+            density = relieved(v.w, rest_density, excess[i])
+            row[10] = ti.max(row[10], density)
+            row[11] += ti.max(density / rest_density - 1.0, 0.0)
             finite = (
                 ti.abs(v2) < 1e30
                 and ti.abs(a2) < 1e30

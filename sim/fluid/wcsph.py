@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.arrays import Declared, IntArray, IntTable, Vec4Array, real
+from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real
+from sim.fluid.boundary.gaps import relieved
 from sim.fluid.kernel import cubic
 from sim.fluid.limits import force_limit, light_limit
 from sim.fluid.mixing import Mixing
@@ -92,6 +93,7 @@ class Wcsph:
             particles.velocity,
             *system.lists,
             system.boundary.faces.share,
+            system.boundary.faces.excess,
         )
         self.momentum.accelerate()
 
@@ -126,6 +128,7 @@ def _density(
     sample_size: IntArray,
     sample_index: IntTable,
     solids: Vec4Array,
+    excess: RealArray,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -143,7 +146,7 @@ def _density(
                 solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
         density += rest_density * solids[i].w
-        ratio = density / rest_density
+        ratio = relieved(density, rest_density, excess[i]) / rest_density
         ratio2 = ratio * ratio
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
         velocity[i].w = density

@@ -3,6 +3,17 @@
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
+from sim.fluid.boundary.gaps import (
+    INCLINED,
+    denser,
+    facing,
+    lacking,
+    led,
+    most_lacking,
+    relieved,
+    slack_after,
+    wide,
+)
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
 from sim.fluid.boundary.look import FAR, half_spaces, look, surface_velocity, to_own, to_world
 from sim.geometry.fields import GRID, PLANE
@@ -11,21 +22,6 @@ from sim.neighbors import padded
 
 GROUP = 32
 """Points in a row for which solids are sought together."""
-NARROW, WIDE = 1.6, 2.4
-"""Spacings between two solids up to which no layer of particles acts on them, and from which all do."""
-INCLINED, STRAIGHT = 0.9, 0.98
-"""Cosines of the angle between two solids up to which what is in a gap can get out, and from which it is caught: at the
-mouth of a gap, where the nearest point is on an edge, nothing gets in."""
-FACED = 0.5
-"""The cosine from which it has less room than a layer."""
-TIGHTEST = 0.5
-"""Spacings under which a gap counts as so wide for what is caught in it."""
-CENTRED, HELD = 0.2, 0.15
-"""Of its way to the middle of a gap, how far a caught particle is led in a step, and the slack from which it is."""
-LET_OUT, PRESSED = 0.15, 0.05
-"""Of the pace of a particle that was caught, how fast its slack falls, and the compression at which it does not."""
-SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
-"""The same of slim bodies."""
 TOUCHING = 1e-3
 """Share of the line of a pair by which it may seem to leave a sheet before it enters it, by rounding."""
 FACING = -0.3
@@ -199,22 +195,18 @@ def place(
     pull: Vec4Array,
     share: Vec4Array,
     rate: RealArray,
+    excess: RealArray,
 ):
     """Of two that face the same way the nearer one counts: a seam between them is no edge. Those at right angles count
     both, and so does one behind the other, as far as they do.
 
-    Fluid that is caught in a gap narrower than a layer stays there as a layer: what the solids add does not grow while
-    they come nearer, so that nothing is squeezed out like a ball of steel. Nor is it shot out at the mouth of the gap,
-    where nothing catches it any more: its slack falls with time, as fast as it moves and falls over a spacing. `since`:
-    time [s] by which to bring it on, or less than none; fall: g d [m^2/s^2].
+    Fluid in gaps narrower than a layer has slack (`sim.fluid.boundary.gaps`), which is brought on by the time `since`
+    it was last [s], unless that is less than none; fall: g d [m^2/s^2].
     """
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
-        loose, tight, led = ti.cast(0.0, real), ti.cast(0.0, real), ti.cast(0.0, real)
-        if has_slack == 1:
-            loose = slack[i]
-        gradient, closing = vec3(0.0), ti.cast(0.0, real)
+        gradient, closing, loose = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
         if last > first:
             x = position[i].xyz + ahead * velocity[i].xyz
             for e in range(first, last):
@@ -222,41 +214,23 @@ def place(
                 p = to_own(s, x, pose)
                 one = look(s, p, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
-            if since >= 0.0:
-                pace = ti.sqrt(fall + velocity[i].xyz.dot(velocity[i].xyz))
-                pace *= ti.math.clamp(1.0 - (velocity[i].w / rest_density - 1.0) / PRESSED, 0.0, 1.0)
-                loose = ti.max(loose - LET_OUT * since * pace, 0.0)
             if has_slack == 1:
-                for e in range(first, last):
-                    for other in range(first, e):
-                        narrow = 0.5 * (spacing - face[e].w - face[other].w)
-                        if solid[other] != solid[e] and narrow > 0.0:
-                            loose = ti.max(loose, opposed(face[e], face[other], FACED) * narrow)
-                            held_by = opposed(face[e], face[other], INCLINED) * narrow
-                            if held_by > tight:
-                                tight = held_by
-                                if since > 0.0:
-                                    v = velocity[i].xyz
-                                    speed = surface_velocity(solid[e], x, pose) + surface_velocity(solid[other], x, pose)
-                                    normal = (face[e].xyz - face[other].xyz).normalized()
-                                    off = 0.5 * (face[other].w - face[e].w) * CENTRED / since
-                                    led = ti.min(held_by / (HELD * spacing), 1.0)
-                                    velocity[i].xyz = v + led * (off + normal.dot(0.5 * speed - v)) * normal
-            if since > 0.0 and loose > 0.0:
-                for e in range(first, last):
-                    if face[e].w < 0.5 * spacing:
-                        v = velocity[i].xyz
-                        into = ti.min(face[e].xyz.dot(v - surface_velocity(solid[e], x, pose)), 0.0)
-                        velocity[i].xyz = v - ti.min(loose / (HELD * spacing), 1.0) * (1.0 - led) * into * face[e].xyz
-            if since >= 0.0:
-                slack[i] = loose
+                loose = slack[i]
+                if since >= 0.0:
+                    v = velocity[i]
+                    compression = relieved(v.w, rest_density, excess[i]) / rest_density - 1.0
+                    loose = slack_after(loose, since, v.xyz, compression, fall)
+                loose = ti.max(loose, most_lacking(first, last, solid, face, spacing))
+                if since > 0.0 and loose > 0.0:
+                    velocity[i].xyz = led(
+                        velocity[i].xyz, x, since, fall, loose, first, last, solid, face, pose, spacing
+                    )
             for e in range(first, last):
                 open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - face[e].w), 0.0)
                 for other in range(first, last):
                     if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                        gap = face[e].w + face[other].w
-                        open_gap = ti.min(open_gap, wide(gap, spacing, slim[solid[e]]))
-                        off = ti.max(off, 0.5 * opposed(face[e], face[other], INCLINED) * (spacing - gap))
+                        open_gap = ti.min(open_gap, wide(face[e].w + face[other].w, spacing, slim[solid[e]]))
+                        off = ti.max(off, lacking(face[e], face[other], INCLINED, spacing))
                 weight[e] = off
                 if has_pull == 1:
                     pull[e].w = open_gap
@@ -285,36 +259,11 @@ def place(
                     pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
                 gradient += one
                 closing -= one.dot(surface_velocity(solid[e], x, pose))
-        elif since >= 0.0:
-            loose = 0.0
-            slack[i] = 0.0
-        share[i] = vec4(gradient, total - 2.0 * loose / ti.max(spacing - 2.0 * loose, TIGHTEST * spacing))
+        if since >= 0.0:
+            slack[i] = loose
+        share[i] = vec4(gradient, total)
+        excess[i] = denser(loose, spacing)
         rate[i] = closing
-
-
-@ti.func
-def opposed(one: vec4, other: vec4, least: real) -> real:
-    """How far two surfaces face each other, from 0 where the cosine of their angle is `least` to 1."""
-    return ti.math.clamp((-one.xyz.dot(other.xyz) - least) / (STRAIGHT - least), 0.0, 1.0)
-
-
-@ti.func
-def facing(one: vec3, other: vec3):
-    """Whether two surfaces with these normals face each other."""
-    return one.dot(other) < OPPOSITE
-
-
-@ti.func
-def wide(gap: real, spacing: real, slim: ti.i32) -> real:
-    """How far what particles do in a gap between two solids is what a fluid would do: between none and all of it.
-
-    One or two layers of particles press on what encloses them by how well they fit in, as molecules do (Israelachvili
-    2011, ch. 15), and not by the pressure around: that of films has to act instead (`sim.coupling.film`). A slim body
-    weighs so little against that pressure that it would tremble, and stir the fluid.
-    """
-    least, most = ti.select(slim == 1, SLIM_NARROW, NARROW), ti.select(slim == 1, SLIM_WIDE, WIDE)
-    s = ti.math.clamp((gap / spacing - least) / (most - least), 0.0, 1.0)
-    return s * s * (3.0 - 2.0 * s)
 
 
 @ti.kernel

@@ -26,7 +26,7 @@ class Faces:
     weight of each: less where a nearer one faces the same way; held: the same, but nothing of solids that obey forces;
     pull: what it alone adds to the gradient of the density, over the rest density [1/m], as pressure feels it
     (`along_faces`). share: of all, over the rest density, in w, and its gradient [1/m]; rate: at which the motion of
-    the solids alone raises it [1/s].
+    the solids alone raises it [1/s]. excess: by how much denser than the fluid, over that, a particle may be in a gap.
     """
 
     def __init__(self, shapes: Shapes, spacing: float, h: float, reach: float):
@@ -41,11 +41,13 @@ class Faces:
         if points > self._rows:
             self._rows = math.ceil(GROWTH * points)
             self.begin, self.size = ti.ndarray(ti.i32, self._rows), ti.ndarray(ti.i32, self._rows)
-            self.share, self.rate = ti.ndarray(vec4, self._rows), ti.ndarray(real, self._rows)
+            self.share = ti.ndarray(vec4, self._rows)
+            self.rate, self.excess = ti.ndarray(real, self._rows), ti.ndarray(real, self._rows)
             self.begin.fill(0)
             self.size.fill(0)
             self.share.fill(0)
             self.rate.fill(0)
+            self.excess.fill(0)
         if groups > self._groups:
             self._groups = math.ceil(GROWTH * groups)
             self._first = ti.ndarray(ti.i32, self._groups + 1)
@@ -124,8 +126,8 @@ class Faces:
     ) -> None:
         """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay.
 
-        slack: how much nearer to solids than a layer points may be [m]; brought on by the time `since` the last step
-        [s], where that is given, during which it falls as fast as they would over a height of half `fall` / g [m].
+        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), brought on where it is given how much time `since` the
+        last step [s] has gone by: then velocities in gaps are changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
         """
         if not self.shapes.count:
             return
@@ -157,6 +159,7 @@ class Faces:
             self.pull,
             self.share,
             self.rate,
+            self.excess,
         )
 
     def sever(self, position: ti.Ndarray, count: int, neighbors: NeighborList) -> None:
@@ -178,4 +181,4 @@ class Faces:
     @property
     def bytes(self) -> int:
         number = np.dtype(numpy_real).itemsize
-        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)
+        return self._rows * (8 + 6 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)

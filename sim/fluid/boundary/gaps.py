@@ -1,0 +1,131 @@
+"""What becomes of fluid between two solids that leave less room than a layer of particles.
+
+There a particle stays as a layer is: what the solids add does not grow while they come nearer, it is led along the
+middle of the gap, and as there is less room than it takes, it may be denser than the fluid. So nothing is squeezed out
+like a ball of steel. How much room it lacks is its slack [m]. At the mouth of the gap, where nothing catches it any
+more, it keeps that for a while, or it would be shot out: what overlaps there would be put right in one step, and the
+faster, the shorter that is.
+
+Functions of several half-spaces take them as `sim.fluid.boundary.faces` lists them, from `first` to before `last`.
+"""
+
+import taichi as ti
+
+from sim.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
+from sim.fluid.boundary.look import surface_velocity
+from sim.geometry.narrow_band import OPPOSITE
+
+NARROW, WIDE = 1.6, 2.4
+"""Spacings between two solids up to which no layer of particles acts on them, and from which all do."""
+SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
+"""The same of slim bodies."""
+WEDGE, INCLINED, STRAIGHT = 0.5, 0.9, 0.98
+"""Cosines of the angle between two solids: from the first on what is between them lacks room, from the second it is
+led, and from the third it can not get out."""
+CENTRED, LEAD, LED = 0.2, 2.0, 0.15
+"""A particle is led to the middle of a gap by this share of its way there in a step, or as fast as it would fall over
+so many spacings while it has to go one; and from so many spacings of slack on."""
+PACE, PRESSED = 0.15, 0.05
+"""Slack falls at this share of a particle's pace, less where it is compressed, and not at all from this compression."""
+TIGHTEST = 0.5
+"""Spacings of a gap under which what is caught does not get any denser."""
+
+
+@ti.func
+def facing(one: vec3, other: vec3):
+    """Whether two surfaces with these normals face each other."""
+    return one.dot(other) < OPPOSITE
+
+
+@ti.func
+def wide(gap: real, spacing: real, slim: ti.i32) -> real:
+    """How far what particles do in a gap between two solids is what a fluid would do: between none and all of it.
+
+    One or two layers of particles press on what encloses them by how well they fit in, as molecules do (Israelachvili
+    2011, ch. 15), and not by the pressure around: that of films has to act instead (`sim.coupling.film`). A slim body
+    weighs so little against that pressure that it would tremble, and stir the fluid.
+    """
+    least, most = ti.select(slim == 1, SLIM_NARROW, NARROW), ti.select(slim == 1, SLIM_WIDE, WIDE)
+    s = ti.math.clamp((gap / spacing - least) / (most - least), 0.0, 1.0)
+    return s * s * (3.0 - 2.0 * s)
+
+
+@ti.func
+def lacking(one: vec4, other: vec4, least: real, spacing: real) -> real:
+    """By how much two half-spaces are nearer to what is between them than to a layer [m], as far as they face each
+    other: not at all where the cosine of their angle is `least`."""
+    opposed = ti.math.clamp((-one.xyz.dot(other.xyz) - least) / (STRAIGHT - least), 0.0, 1.0)
+    return 0.5 * opposed * (spacing - one.w - other.w)
+
+
+@ti.func
+def most_lacking(first: ti.i32, last: ti.i32, solid: IntArray, face: Vec4Array, spacing: real) -> real:
+    """The slack that the tightest of the gaps around a particle gives it [m]."""
+    most = ti.cast(0.0, real)
+    for e in range(first, last):
+        for other in range(first, e):
+            if solid[other] != solid[e]:
+                most = ti.max(most, lacking(face[e], face[other], WEDGE, spacing))
+    return most
+
+
+@ti.func
+def slack_after(slack: real, dt: real, v: vec3, compression: real, fall: real) -> real:
+    """What is left of a slack [m] after dt [s]: it falls as a particle moves with v, and where it is at rest as one
+    that has fallen; fall: g d [m^2/s^2]."""
+    pace = PACE * ti.sqrt(fall + v.dot(v)) * ti.math.clamp(1.0 - compression / PRESSED, 0.0, 1.0)
+    return ti.max(slack - dt * pace, 0.0)
+
+
+@ti.func
+def led(
+    v: vec3,
+    x: vec3,
+    dt: real,
+    fall: real,
+    slack: real,
+    first: ti.i32,
+    last: ti.i32,
+    solid: IntArray,
+    face: Vec4Array,
+    pose: DoubleTable,
+    spacing: real,
+) -> vec3:
+    """The velocity of a particle with slack: to the middle of the gap that it is in, and out of
+    surfaces that it is in by more than that."""
+    along, tightest, kept = v, ti.cast(0.0, real), ti.cast(0.0, real)
+    for e in range(first, last):
+        for other in range(first, e):
+            tight = lacking(face[e], face[other], INCLINED, spacing)
+            if solid[other] != solid[e] and tight > tightest:
+                tightest, kept = tight, ti.min(tight / (LED * spacing), 1.0)
+                normal = (face[e].xyz - face[other].xyz).normalized()
+                off = 0.5 * (face[other].w - face[e].w)
+                one, two = surface_velocity(solid[e], x, pose), surface_velocity(solid[other], x, pose)
+                rate = rate_of(ti.abs(normal.dot(one - two)) + ti.sqrt(fall), dt, spacing)
+                along += kept * (rate * off + normal.dot(0.5 * (one + two) - along)) * normal
+    stopped = (1.0 - kept) * ti.min(slack / (LED * spacing), 1.0)
+    for e in range(first, last):
+        if face[e].w < 0.5 * spacing:
+            out = ti.max(0.5 * spacing - face[e].w - slack, 0.0) * rate_of(ti.sqrt(fall), dt, spacing)
+            speed = face[e].xyz.dot(along - surface_velocity(solid[e], x, pose))
+            along += stopped * ti.max(out - speed, 0.0) * face[e].xyz
+    return along
+
+
+@ti.func
+def rate_of(speed: real, dt: real, spacing: real) -> real:
+    """At which a particle is led [1/s] where this is the speed [m/s] of what moves it."""
+    return ti.min(CENTRED / dt, LEAD * speed / spacing)
+
+
+@ti.func
+def denser(slack: real, spacing: real) -> real:
+    """By how much a particle may be denser than the fluid, over that: what is d thick has d - 2 slack of room."""
+    return 2.0 * slack / ti.max(spacing - 2.0 * slack, TIGHTEST * spacing)
+
+
+@ti.func
+def relieved(density: real, rest_density: real, excess: real) -> real:
+    """The density that pressure is to act on, of a particle that may be denser by this `excess` over the fluid's."""
+    return density - ti.math.clamp(density - rest_density, 0.0, excess * rest_density)

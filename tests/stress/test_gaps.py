@@ -1,0 +1,104 @@
+"""Water between solids that come so near to each other that not even one layer of particles fits between them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.in_time import in_time
+from tests.particles import read_table
+from tests.stress.scenes import assert_nothing_broken
+
+TANK = {"tank": {"type": "box", "size": [0.4, 0.8, 0.4]}}
+WATER = {"water": {"shape": {"type": "box", "size": [0.4, 0.3, 0.4]}, "position": [0, 0.15, 0]}}
+
+
+def pool(rigid: dict[str, Any], solver: str = "dfsph", **fluid: Any) -> dict[str, Any]:
+    fluid = {"solver": solver, "particle_radius": 0.01, "bodies": WATER} | fluid
+    return {"fps": 50, "containers": TANK, "fluid": fluid, "rigid": {"bodies": rigid}}
+
+
+def frames_repeated(out) -> int:
+    return json.loads((out / "summary.json").read_text())["counts"]["retries"]
+
+
+def two_boxes(seed: int) -> dict[str, Any]:
+    """The heavier one lies on the lighter one, which it turns over in the water."""
+    off = np.random.default_rng(seed).uniform(-1e-4, 1e-4, 3)
+    box = {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "motion": "dynamic"}
+    upper = [float(x) for x in np.array([0, 0.5, 0]) + off]
+    return {
+        "lower": box | {"position": [0, 0.4, 0], "density": 300},
+        "upper": box | {"position": upper, "density": 500},
+    }
+
+
+SHAPES = {
+    "box": lambda random: {"size": [float(x) for x in random.uniform(0.06, 0.12, 3)]},
+    "sphere": lambda random: {"radius": float(random.uniform(0.03, 0.06))},
+    "cylinder": lambda random: {
+        "radius": float(random.uniform(0.03, 0.06)),
+        "height": float(random.uniform(0.04, 0.12)),
+    },
+}
+
+
+def six_bodies(seed: int) -> dict[str, Any]:
+    random = np.random.default_rng(seed)
+    found = {}
+    for number, (y, x) in enumerate([(y, x) for y in (0.4, 0.54, 0.68) for x in (-0.09, 0.09)]):
+        kind = str(random.choice(list(SHAPES)))
+        found[f"body{number}"] = {
+            "shape": {"type": kind} | SHAPES[kind](random),
+            "position": [x, y, float(random.uniform(-0.1, 0.1))],
+            "rotation": [{"axis": [float(v) for v in random.normal(size=3)], "angle": float(random.uniform(0, 180))}],
+            "density": float(random.choice([150, 300, 500, 800, 1200, 2500])),
+            "motion": "dynamic",
+        }
+    return found
+
+
+@pytest.mark.outcome("A")
+@pytest.mark.parametrize("seed", [0, *in_time(1, 2, 3, 4, 5)])
+@pytest.mark.parametrize("ratio", [4.0, *in_time(4.4)])
+def test_boxes_turn_over_in_water_without_a_frame_repeated(simulate, seed, ratio):
+    """They slide along each other and along the walls: what is between them comes out somewhere. It was shot out."""
+    out = simulate(pool(two_boxes(seed), support_ratio=ratio), 70)
+    assert_nothing_broken(out)
+    assert frames_repeated(out) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.outcome("A")
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("solver", ["dfsph", "iisph", "wcsph"])
+def test_bodies_are_thrown_into_a_pool_without_a_frame_repeated(simulate, solver, seed):
+    out = simulate(pool(six_bodies(seed), solver), 70)
+    assert_nothing_broken(out)
+    assert frames_repeated(out) == 0
+
+
+@pytest.mark.outcome("A")
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("iisph", "pcisph", "wcsph")])
+def test_a_plate_pressed_on_the_ground_shoots_nothing_out(simulate, solver):
+    """It comes down at U on a layer that is no thicker than particles are: the mean velocity at its edge is
+    U L / 4 d then, by how much there is (of both the volume and the film: Stefan 1874), and more in the middle of an
+    edge, where half as much again has to get out. Nothing is faster when it is lifted than what follows it is."""
+    down, length, spacing = 0.2, 0.12, 0.02
+    keys = [
+        {"at": 0, "position": [0, 0.12, 0]},
+        {"at": 0.5, "position": [0, 0.02, 0]},
+        {"at": 0.6, "position": [0, 0.02, 0]},
+        {"at": 0.8, "position": [0, 0.06, 0]},
+    ]
+    plate = {"shape": {"type": "box", "size": [length, 0.04, length]}, "motion": "prescribed", "keyframes": keys}
+    water = {"water": {"shape": {"type": "box", "size": [0.4, 0.2, 0.4]}, "position": [0, 0.1, 0]}}
+    out = simulate(pool({"plate": plate}, solver, bodies=water), 40)
+    assert_nothing_broken(out)
+    assert frames_repeated(out) == 0
+    steps = read_table(out / "steps.csv")
+    fastest = steps["v_max"][steps["time"] > 0.3]
+    assert fastest.max() < 1.5 * down * length / (4 * spacing) + 2 * down
