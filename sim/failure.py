@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 MAX_RETRIES = 4
 """Each repeats the frame with half the step of the one before."""
 DENSITY_LIMIT = 1.3
-"""Densities above this many rest densities mean that particles were pushed into one another."""
+"""Densities above this many rest densities mean that particles were pushed into one another, or into a solid by others:
+one that is alone is not, and is put right in a step."""
 MOST_STEPS = 50_000
 """A frame that would need more steps than this is refused, or stops the run: it would seem to hang."""
 NAMED = 10
@@ -74,8 +75,8 @@ def _particle_fault(world: World, measure: Measure) -> Fault | None:
     smaller = _calmer(world)
     if measure.not_finite or not _finite(measure):
         return Fault(f"{measure.not_finite or 'some'} particles have values that are not finite", smaller)
-    if measure.density_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
-        ratio = measure.density_max / world.spec.fluid.rest_density
+    if measure.crowding_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
+        ratio = measure.crowding_max / world.spec.fluid.rest_density
         return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
     if measure.too_fast:
         return _too_fast(world, measure.too_fast, smaller)

@@ -9,7 +9,7 @@ import taichi as ti
 from sim.arrays import Declared, DoubleTable, IntArray, Particles, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.boundary.gaps import relieved
-from sim.fluid.kernel import particle_mass
+from sim.fluid.kernel import cubic_host, particle_mass
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
 from sim.neighbors import HashGrid, NeighborList
@@ -25,6 +25,9 @@ PARTICLES = (
     Declared("slack", "real", "how much nearer to solids than a layer it may be, after it was caught between two [m]"),
 )
 
+ROW = 17
+"""Numbers of a block of particles that a measure is made of."""
+
 
 @dataclass(frozen=True)
 class Measure:
@@ -38,6 +41,8 @@ class Measure:
     momentum: np.ndarray
     position_sum: np.ndarray
     density_max: float
+    crowding_max: float
+    """As density_max, but of what solids add no more than a particle alone has of them at rest [kg/m^3]."""
     compression_sum: float
     not_finite: int
     beyond_walls: int
@@ -46,7 +51,7 @@ class Measure:
     """Particles that have left the scene for good."""
 
 
-STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0, 0, 0, 0)
+STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0, 0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
@@ -147,7 +152,7 @@ class FluidSystem:
         """Whether it is kept which pressures acted where in the step, for who asks for them."""
         self.forgetful = True
         """Whether what particles remember of the last step only to be faster is lost."""
-        self._partial = ti.ndarray(ti.f64, (BLOCKS, 16))
+        self._partial = ti.ndarray(ti.f64, (BLOCKS, ROW))
         self.measured = STILL
         """What the last measure said."""
         self.momentum: Momentum | None = None
@@ -265,7 +270,9 @@ class FluidSystem:
             self.boundary.faces.begin,
             self.boundary.faces.size,
             self.boundary.faces.face,
+            self.boundary.faces.share,
             self.boundary.faces.excess,
+            1.0 - self.mass * float(cubic_host(np.zeros(1), self.h)[0]) / self.spec.rest_density,
             self.h / 2,
             vec3(*self.gravity),
             way,
@@ -289,6 +296,7 @@ class FluidSystem:
             beyond_walls=int(total[13]),
             too_fast=int(total[14]),
             fallen=int(total[15]),
+            crowding_max=float(peak[16]),
         )
         return self.measured
 
@@ -309,7 +317,9 @@ def _measure(
     begin: IntArray,
     solids_near: IntArray,
     face: Vec4Array,
+    share: Vec4Array,
     excess: RealArray,
+    alone: real,
     deepest: real,
     gravity: vec3,
     way: real,
@@ -319,7 +329,7 @@ def _measure(
     partial: DoubleTable,
 ):
     for block in range(BLOCKS):
-        row = ti.Vector([0.0] * 16, dt=ti.f64)
+        row = ti.Vector([0.0] * ROW, dt=ti.f64)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
             x, v, a = position[i], velocity[i], acceleration[i]
@@ -335,6 +345,8 @@ def _measure(
                 row[7 + axis] += x[axis]
             density = relieved(v.w, rest_density, excess[i])
             row[10] = ti.max(row[10], density)
+            crowded = v.w - ti.max(share[i].w - alone, 0.0) * rest_density
+            row[16] = ti.max(row[16], relieved(crowded, rest_density, excess[i]))
             row[11] += ti.max(density / rest_density - 1.0, 0.0)
             finite = (
                 ti.abs(v2) < 1e30
@@ -352,5 +364,5 @@ def _measure(
                 row[14] += 1.0
             if fallen > depth:
                 row[15] += 1.0
-        for column in ti.static(range(16)):
+        for column in ti.static(range(ROW)):
             partial[block, column] = row[column]

@@ -11,6 +11,7 @@ import pytest
 from tests.in_time import in_time
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
+from tests.verification.test_vessels import FLOOR, RADIUS, SPACING, glass
 
 PCISPH = pytest.param(
     "pcisph",
@@ -107,3 +108,30 @@ def test_a_plate_pressed_on_the_ground_shoots_nothing_out(simulate, solver):
     assert frames_repeated(out) == 0
     steps = read_table(out / "steps.csv")
     assert steps["v_max"].max() < np.sqrt(2 * 9.81 * deep) + 2 * speed
+
+
+@pytest.mark.slow
+@pytest.mark.outcome("A")
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("wall", [0.25, 0.8])
+def test_ice_falls_into_a_glass_without_a_frame_repeated(simulate, tmp_path, wall, seed):
+    """Five cubes of 3.6 d in a glass of 14 d: water runs over its rim, a particle alone at a time."""
+    glass(tmp_path, wall * SPACING)
+    random = np.random.default_rng(seed)
+    bodies = {
+        "glass": {"shape": {"type": "mesh", "file": "glass.ply"}},
+        "table": {"shape": {"type": "plane"}, "position": [0, -1e-4, 0]},
+    }
+    for number, angle in enumerate(np.linspace(0, 2 * np.pi, 5, endpoint=False)):
+        bodies[f"ice{number}"] = {
+            "shape": {"type": "box", "size": [0.018, 0.018, 0.018]},
+            "position": [float(0.012 * np.cos(angle)), 0.075 + 0.032 * number, float(0.012 * np.sin(angle))],
+            "rotation": [{"axis": [float(v) for v in random.normal(size=3)], "angle": float(random.uniform(0, 180))}],
+            "density": 917,
+            "motion": "dynamic",
+        }
+    water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": 0.045}, "position": [0, FLOOR + 0.0225, 0]}
+    fluid = {"solver": "dfsph", "particle_radius": SPACING / 2, "bodies": {"water": water}}
+    out = simulate({"fps": 50, "fluid": fluid, "rigid": {"bodies": bodies}}, 50)
+    assert_nothing_broken(out)
+    assert frames_repeated(out) == 0

@@ -21,6 +21,7 @@ GOOD = Measure(
     momentum=np.zeros(3),
     position_sum=np.zeros(3),
     density_max=1010.0,
+    crowding_max=1010.0,
     compression_sum=1.0,
     not_finite=0,
     beyond_walls=0,
@@ -43,7 +44,7 @@ def world(limit=1e-3, solver="wcsph", **step):
 
 
 @pytest.mark.parametrize("solver", ["wcsph", "pcisph", "iisph", "dfsph"])
-@pytest.mark.parametrize("change", [{"not_finite": 2}, {"density_max": 1310.0}, {"too_fast": 3}, {"beyond_walls": 4}])
+@pytest.mark.parametrize("change", [{"not_finite": 2}, {"crowding_max": 1310.0}, {"too_fast": 3}, {"beyond_walls": 4}])
 @pytest.mark.parametrize("step", [{}, {"fixed": 1e-3}])
 def test_remedies_name_settings_of_the_solver_that_runs(solver, change, step):
     here = world(solver=solver, **step)
@@ -71,7 +72,7 @@ def test_a_good_step_has_none():
         ({"kinetic_energy": np.nan}, "not finite"),
         ({"position_sum": np.array([0, np.inf, 0])}, "not finite"),
         ({"density_max": np.nan}, "not finite"),
-        ({"density_max": 1310.0}, "1.31 times the rest density"),
+        ({"crowding_max": 1310.0}, "1.31 times the rest density"),
         ({"too_fast": 3}, "3 particles are faster than sound (20 m/s)"),
         ({"beyond_walls": 4}, "4 particles went through a wall"),
     ],
