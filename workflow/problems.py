@@ -53,7 +53,7 @@ def _explain(detail: Any, path: Location, model: type[BaseModel]) -> tuple[str, 
     """What is wrong, and what would be right."""
     kind, context, given = detail["type"], detail.get("ctx", {}), detail["input"]
     group, unit = _context(model, detail["loc"])
-    shown, in_unit = _shown(given), f" [{unit}]" if unit else ""
+    shown, in_unit = _shown(given), f" [{unit}]" if unit not in {"", "1"} else ""
     if kind == "extra_forbidden":
         return f"unknown key '{path[-1]}'", suggestion(str(path[-1]), group)
     if kind == "missing":
@@ -71,13 +71,16 @@ def _explain(detail: Any, path: Location, model: type[BaseModel]) -> tuple[str, 
         return f"must be {context['expected']}{shown}", suggestion(str(given), allowed)
     if kind == "quantity":
         example = "" if unit in {"", "1"} else ", or a quantity in a unit of that kind"
-        return detail["msg"], f"give a plain number{'' if unit == '1' else in_unit}{example}"
+        return detail["msg"], f"give a plain number{in_unit}{example}"
     if kind == "too_long" and isinstance(given, list):
         return _wrong_length(context["max_length"], len(given), in_unit)
     if kind == "too_short" and isinstance(given, dict):
         return "is empty", "name at least one thing in it, or remove the whole group"
     if kind == "string_pattern_mismatch" and "mp4" in context["pattern"]:
         return f"must end in .mp4{shown}", "give a path such as gallery/film.mp4"
+    if _KINDS.get(kind) is _LIST and isinstance(given, dict):
+        group = ", ".join(f"{key}: ..." for key in given)
+        return "must be a list, got one group", f"put it in a list, as [{{{group}}}]"
     simple = _KINDS.get(kind)
     if simple:
         message, remedy = simple

@@ -75,7 +75,7 @@ REPLACED = {
     ),
     "normal": (BALL, "{type: plane, normal: [0, 0, 0]}", "ball.shape.normal", "must not be zero"),
     "axis": (PLACE, "rotation: [{axis: [0, 0, 0], angle: 3}]", "ball.rotation.0.axis", "must not be zero"),
-    "one rotation": (PLACE, "rotation: {axis: [0, 1, 0], angle: 3}", "ball.rotation", "must be a list"),
+    "one rotation": (PLACE, "rotation: {axis: [0, 1, 0], angle: 3}", "ball.rotation", "[{axis: ..., angle: ...}]"),
     "unknown shape": (BALL, "{type: spere, radius: 1}", "ball.shape", "unknown type 'spere'", "did you mean 'sphere'?"),
     "shape without type": (BALL, "{radius: 1}", "ball.shape", "missing its type", "add `type:`"),
     "shape as text": (BALL, "sphere", "ball.shape", "must be a group of settings"),
