@@ -147,6 +147,8 @@ class FluidSystem:
         self.neighbors = NeighborList(64)
         self._skin = skin * self.h
         self._fall = float(np.linalg.norm(gravity)) * spec.spacing
+        self._alone = 1.0 - self.mass * float(cubic_host(np.zeros(1), self.h)[0]) / spec.rest_density
+        """What solids add to a particle alone at rest, over the rest density."""
         self._way_left = 0.0
         self.remembers = hasattr(self.particles, "pressed")
         """Whether it is kept which pressures acted where in the step, for who asks for them."""
@@ -204,7 +206,8 @@ class FluidSystem:
         pulls: bool = True,
     ) -> None:
         """Find what solids are to particles that will be `ahead` [s], or at `position`; without `pulls` these stay.
-        `since`: the time [s] by which to let out what was caught between two."""
+        `since`: the time [s] since this was last told; then what is caught between two is led and let out, by changing
+        its velocity and slack."""
         particles = self.particles
         self.boundary.faces.place(
             particles.position if position is None else position,
@@ -272,7 +275,7 @@ class FluidSystem:
             self.boundary.faces.face,
             self.boundary.faces.share,
             self.boundary.faces.excess,
-            1.0 - self.mass * float(cubic_host(np.zeros(1), self.h)[0]) / self.spec.rest_density,
+            self._alone,
             self.h / 2,
             vec3(*self.gravity),
             way,

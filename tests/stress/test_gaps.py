@@ -11,7 +11,7 @@ import pytest
 from tests.in_time import in_time
 from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
-from tests.verification.test_vessels import FLOOR, RADIUS, SPACING, glass
+from tests.vessels import FLOOR, RADIUS, SPACING, glass
 
 PCISPH = pytest.param(
     "pcisph",
