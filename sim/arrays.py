@@ -98,7 +98,7 @@ class Particles:
         return {field.name: self.numpy(field.name) for field in self.declared if field.saved}
 
     def load(self, state: dict[str, np.ndarray]) -> None:
-        """Hold what `state` made, with room to grow where that is more than there was; what it lacks is zero."""
+        """Hold what `state` made, with room to grow where that is more than there was."""
         self.count = len(next(iter(state.values()), ()))
         if self.count > self.capacity:
             self.capacity = int(GROWTH * self.count)
@@ -107,8 +107,7 @@ class Particles:
             if field.saved and self.count:
                 kind, width = _ELEMENTS[field.element][1:]
                 whole = np.zeros((self.capacity, width), kind)
-                if field.name in state:
-                    whole[: self.count] = state[field.name].reshape(self.count, width)
+                whole[: self.count] = state[field.name].reshape(self.count, width)
                 getattr(self, field.name).from_numpy(whole[:, 0] if width == 1 else whole)
 
     def extend(self, fresh: dict[str, np.ndarray]) -> None:

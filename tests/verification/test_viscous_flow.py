@@ -123,6 +123,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
             "velocity": at_rest,
             "acceleration": 0 * at_rest,
             "tag": np.column_stack((np.arange(count), np.zeros(count))).astype(np.int32),
+            "slack": np.zeros(count, np.float32),
         }
     )
     system.find_neighbors()
