@@ -137,9 +137,6 @@ class Floating:
         self._push(self.reaction.forces(momentum) + self.film.steady + self.reaction.films())
         self._kick(dt / 2, self.pushed)
 
-    def nudge(self, dt: float) -> None:
-        self._kick(dt, self._last[0])
-
     def hold_off(self, dt: float) -> None:
         """Bodies are thick: pressure does."""
 

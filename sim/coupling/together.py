@@ -53,10 +53,6 @@ class Together:
             told |= part.settle(dt)
         return told
 
-    def nudge(self, dt: float) -> None:
-        for part in self.parts:
-            part.nudge(dt)
-
     def drift(self, dt: float) -> dict[str, float]:
         told = {}
         for part in self.parts:

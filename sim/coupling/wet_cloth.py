@@ -162,10 +162,6 @@ class WetCloth:
         self.cloth.fluid_force.copy_from(self._found)
         return self._finish(dt)
 
-    def nudge(self, dt: float) -> None:
-        wet_cloth_sums.shift(self.cloth.mesh.count, 1.0 / dt, self._way, self.cloth.mesh.points.velocity)
-        self.system.boundary.move()
-
     def drift(self, dt: float) -> dict[str, float]:
         self._load.fill(0.0)
         wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)

@@ -18,6 +18,7 @@ import taichi as ti
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces import pressure_sum
+from sim.fluid.gradient_correction import corrected_pressure_sum, matrix
 from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import span
@@ -48,27 +49,28 @@ class Solution:
 
 
 class ConjugateGradients:
-    """Finds the pressures of a system whose `Projection` has given source, diagonal and solids."""
+    """Finds the pressures of a system whose source, diagonal and solids are given: by `sim.fluid.projection`, or with
+    `corrected` gradients by `sim.fluid.gradient_correction`."""
 
-    def __init__(self, system: FluidSystem):
+    def __init__(self, system: FluidSystem, *, corrected: bool = False):
         self.system = system
+        self.corrected = corrected
         self.worst = WORST * system.spec.rest_density
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
 
-    def solve(self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool, ahead: float) -> Solution:
+    def solve(
+        self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool, ahead: float, alone: bool = False
+    ) -> Solution:
         """Find pressures that leave no more than `tolerance` [kg/m^3] of mean compression, and push by them: their
         accelerations are in kept.
 
-        fewest, most: iterations; with fewest = 0 none are made, and kept is not written, where nothing need be done.
-        warm: begin with the pressures in position.w and leave the new ones there; else position.w stays as it is.
-        ahead: solids press on particles where these will be then [s].
+        fewest, most: iterations, at least one. warm: begin with the pressures in position.w and leave the new ones
+        there; else position.w stays as it is. ahead: solids press on particles where these will be then [s]. alone:
+        bodies do not give way.
         """
         system, particles = self.system, self.system.particles
-        if fewest == 0:
-            mean, worst = self.compression()
-            if mean <= tolerance and worst <= self.worst:
-                return Solution(0, 0.0, False)
+        bodies = None if alone else system.bodies
         _begin(
             system.count,
             self._rows,
@@ -84,16 +86,16 @@ class ConjugateGradients:
             self._sums,
         )
         for iteration in range(1, most + 1):
-            if system.bodies:
+            if bodies:
                 self._iterate(PUSH, dt, first=iteration == 1)
-                system.bodies.answer(ahead)
+                bodies.answer(ahead)
                 mean, worst = self._iterate(DESCEND, dt, first=iteration == 1)
             else:
                 mean, worst = self._iterate(WHOLE, dt, first=iteration == 1)
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
-        if system.bodies:
-            system.bodies.press(ahead)
+        if bodies:
+            bodies.press(ahead)
         push = _finish(
             system.count,
             dt,
@@ -128,6 +130,9 @@ class ConjugateGradients:
             system.neighbors.size,
             system.neighbors.index,
             *system.boundary.faces.lists,
+            self.corrected,
+            particles.correction if self.corrected else particles.push,
+            particles.skew if self.corrected else particles.push,
             self._sums,
         )
         return mean, worst
@@ -259,6 +264,9 @@ def _iterate(
     face_weight: RealArray,
     held: RealArray,
     fit: vec4,
+    corrected: ti.template(),
+    correction: Vec4Array,
+    skew: Vec4Array,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     """One iteration; returns the mean error [kg/m^3] of the pressures it arrives at, and the worst."""
@@ -275,11 +283,15 @@ def _iterate(
                 downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
                 position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
         for i in range(count):
-            a = pressure_sum(i, position, size, index, inverse_h)
-            a = strength * a - position[i].w * solid[i].xyz
-            if solid[i].w > 0.0:
-                a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-            push[i].xyz = a
+            solids = -position[i].w * solid[i].xyz
+            if ti.static(corrected):
+                pairs = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
+                push[i].xyz = strength * pairs + solids
+            else:
+                a = strength * pressure_sum(i, position, size, index, inverse_h) + solids
+                if solid[i].w > 0.0:
+                    a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
+                push[i].xyz = a
     if ti.static(part != PUSH):
         for row in range(rows):
             gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
@@ -287,10 +299,17 @@ def _iterate(
             for i in range(within[0], within[1]):
                 x, a = position[i], push[i].xyz
                 change = ti.cast(0.0, real)
+                lens = ti.Matrix.identity(real, 3)
+                if ti.static(corrected):
+                    lens = matrix(correction[i], skew[i])
                 for k in range(padded(size[i])):
                     j = index[i, k]
                     d = x.xyz - position[j].xyz
-                    change += cubic_slope(d.norm() * inverse_h) * d.dot(a - push[j].xyz)
+                    slope = cubic_slope(d.norm() * inverse_h)
+                    if ti.static(corrected):
+                        change += slope * (lens @ d).dot(a - push[j].xyz)
+                    else:
+                        change += slope * d.dot(a - push[j].xyz)
                 change = strength * change + a.dot(solid[i].xyz)
                 if ti.static(part == DESCEND):
                     change -= push[i].w

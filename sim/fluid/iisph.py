@@ -44,7 +44,7 @@ class Iisph(Incompressible):
         self.gradients = ConjugateGradients(system)
 
     def examine(self, dt: float) -> None:
-        self.projection.prepare(dt)
+        self.projection.prepare()
 
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings

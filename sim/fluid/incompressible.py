@@ -81,6 +81,7 @@ class Incompressible:
             told |= system.bodies.settle(dt)
             system.boundary.move()
         _move(system.count, dt, particles.position, particles.velocity)
+        self.halt(dt)
         if system.bodies:
             system.bodies.hold_off(dt)
         system.boundary.hold_off(particles.position, particles.velocity, system.count)
@@ -92,6 +93,9 @@ class Incompressible:
     def examine(self, dt: float) -> None:
         """Find densities, and what else the solver needs, at the present positions."""
         raise NotImplementedError
+
+    def halt(self, dt: float) -> None:
+        """Take from velocities what was only to move particles in this step."""
 
     def press(self, dt: float) -> dict[str, float]:
         """Find pressures and add what they do to velocities; returns the statistics."""

@@ -21,7 +21,7 @@ from sim.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real,
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.forces import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.solids import approach, sheet_share
+from sim.fluid.solids import sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import itself, padded
 
@@ -48,8 +48,6 @@ ARRAYS = (
 
 SMALLEST_DIAGONAL = 1e-3
 """Under this share of a lattice's diagonal a particle has too few neighbours to be pushed."""
-FEWEST_NEIGHBORS = 20
-"""With fewer, a particle's divergence tells nothing (Bender & Koschier 2017, sec. 3.3)."""
 
 
 class Projection:
@@ -67,35 +65,26 @@ class Projection:
         slope = cubic_slope_host(r, h)
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
-    def prepare(self, dt: float) -> None:
-        """Densities, D, G, as source the compression in `dt` by the present velocities, and in push their friction.
-
-        The velocities of particles with few neighbours are not compressed by any pressure of their own. Friction is
-        that of `sim.fluid.momentum`, for pairs at rest density.
-        """
+    def prepare(self) -> None:
+        """Densities, D, G, and in push the friction of the present velocities: that of `sim.fluid.momentum`, for pairs at
+        rest density."""
         system = self.system
-        particles, boundary = system.particles, system.boundary
+        particles = system.particles
         _prepare(
             system.count,
-            dt,
             system.h,
             system.mass,
             system.spec.rest_density,
             self.smallest_diagonal,
-            FEWEST_NEIGHBORS,
             particles.position,
             particles.velocity,
             particles.solid,
             particles.diagonal,
-            particles.source,
             self.viscosity > 0,
             self.viscosity,
             particles.push,
             *system.lists,
-            boundary.velocity,
-            boundary.faces.share,
-            boundary.faces.rate,
-            boundary.faces.excess,
+            system.boundary.faces.share,
         )
 
     def predict(self, dt: float) -> None:
@@ -125,17 +114,14 @@ class Projection:
 @ti.kernel
 def _prepare(
     count: ti.i32,
-    dt: real,
     h: real,
     mass: real,
     rest_density: real,
     smallest_diagonal: real,
-    fewest_neighbors: ti.i32,
     position: Vec4Array,
     velocity: Vec4Array,
     solid: Vec4Array,
     diagonal: RealArray,
-    source: RealArray,
     has_viscosity: ti.template(),
     viscosity: real,
     push: Vec4Array,
@@ -145,10 +131,7 @@ def _prepare(
     samples: Vec4Array,
     sample_size: IntArray,
     sample_index: IntTable,
-    sample_velocity: Vec4Array,
     solids: Vec4Array,
-    solids_rate: RealArray,
-    excess: RealArray,
 ):
     inverse_h = 1.0 / h
     norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
@@ -156,7 +139,7 @@ def _prepare(
     softening = SOFTENING * h * h
     for i in range(count):
         x, v = position[i].xyz, velocity[i].xyz
-        near, squares, rate = ti.cast(0.0, real), ti.cast(0.0, real), ti.cast(0.0, real)
+        near, squares = ti.cast(0.0, real), ti.cast(0.0, real)
         along, rub = vec3(0.0), vec3(0.0)
         for k in range(padded(size[i])):
             j = index[i, k]
@@ -167,10 +150,8 @@ def _prepare(
             near += cubic(q)
             squares += slope * slope * r2
             along += slope * d
-            parting = d.dot(v - velocity[j].xyz)
-            rate += slope * parting
             if ti.static(has_viscosity):
-                rub += viscous(parting, viscosity) / (r2 + softening) * slope * d
+                rub += viscous(d.dot(v - velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
         if ti.static(has_viscosity):
             push[i].xyz = mass * slope_norm / rest_density * rub
         density = mass * norm * (near + itself(size[i]))
@@ -184,12 +165,6 @@ def _prepare(
         whole = mass * slope_norm * along + gradient
         d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
-        compression = dt * (mass * slope_norm * rate + v.dot(gradient) + rest_density * solids_rate[i])
-        if ti.static(has_samples):
-            closing = approach(x, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
-            compression += dt * rest_density * closing
-        free = size[i] < fewest_neighbors or relieved(density, rest_density, excess[i]) < density
-        source[i] = ti.select(free, -rest_density, compression)
 
 
 @ti.kernel

@@ -102,9 +102,6 @@ class Bodies(Protocol):
         """Make the step with what was noted and taken, and bring samples to where they are then; returns its
         statistics."""
 
-    def nudge(self, dt: float) -> None:
-        """Change velocities at once by the forces noted last, for the whole step."""
-
     def drift(self, dt: float) -> dict[str, float]:
         """Make the step with half of the last forces, and bring samples to where they are then; returns its
         statistics."""

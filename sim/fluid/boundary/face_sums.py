@@ -194,7 +194,6 @@ def place(
     held: RealArray,
     pull: Vec4Array,
     share: Vec4Array,
-    rate: RealArray,
     excess: RealArray,
 ):
     """Of two that face the same way the nearer one counts: a seam between them is no edge. Those at right angles count
@@ -206,7 +205,7 @@ def place(
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
-        gradient, closing, loose = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
+        gradient, loose = vec3(0.0), ti.cast(0.0, real)
         if last > first:
             x = position[i].xyz + ahead * velocity[i].xyz
             for e in range(first, last):
@@ -256,14 +255,12 @@ def place(
                 one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
                     acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
-                    pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), 0.0)
+                    pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), acts)
                 gradient += one
-                closing -= one.dot(surface_velocity(solid[e], x, pose))
         if since >= 0.0:
             slack[i] = loose
         share[i] = vec4(gradient, total)
         excess[i] = denser(loose, spacing)
-        rate[i] = closing
 
 
 @ti.kernel

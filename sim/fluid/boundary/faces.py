@@ -25,8 +25,8 @@ class Faces:
     begin, size: of the entries of each point; solid, particle: of each entry; face: unit normal and distance [m];
     weight of each: less where a nearer one faces the same way; held: the same, but nothing of solids that obey forces;
     pull: what it alone adds to the gradient of the density, over the rest density [1/m], as pressure feels it
-    (`along_faces`). share: of all, over the rest density, in w, and its gradient [1/m]; rate: at which the motion of
-    the solids alone raises it [1/s]. excess: by how much denser than the fluid, over that, a particle may be in a gap.
+    (`along_faces`), and how far it does where another is near (`gaps.wide`) in w. share: of all, over the rest density,
+    in w, and its gradient [1/m]. excess: by how much denser than the fluid, over that, a particle may be in a gap.
     """
 
     def __init__(self, shapes: Shapes, spacing: float, h: float, reach: float):
@@ -42,11 +42,10 @@ class Faces:
             self._rows = math.ceil(GROWTH * points)
             self.begin, self.size = ti.ndarray(ti.i32, self._rows), ti.ndarray(ti.i32, self._rows)
             self.share = ti.ndarray(vec4, self._rows)
-            self.rate, self.excess = ti.ndarray(real, self._rows), ti.ndarray(real, self._rows)
+            self.excess = ti.ndarray(real, self._rows)
             self.begin.fill(0)
             self.size.fill(0)
             self.share.fill(0)
-            self.rate.fill(0)
             self.excess.fill(0)
         if groups > self._groups:
             self._groups = math.ceil(GROWTH * groups)
@@ -140,7 +139,7 @@ class Faces:
             position,
             velocity,
             slack is not None,
-            slack if slack is not None else self.rate,
+            slack if slack is not None else self.excess,
             -1.0 if since is None else since,
             fall,
             rest_density,
@@ -158,7 +157,6 @@ class Faces:
             self.held,
             self.pull,
             self.share,
-            self.rate,
             self.excess,
         )
 
@@ -181,4 +179,4 @@ class Faces:
     @property
     def bytes(self) -> int:
         number = np.dtype(numpy_real).itemsize
-        return self._rows * (8 + 6 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)
+        return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)

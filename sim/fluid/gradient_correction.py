@@ -1,0 +1,196 @@
+"""Gradients that are right for linear fields, however particles lie: what DFSPH takes the compression of velocities by.
+
+The kernel's own gradient is not: in a lattice that has been strained, sum_j V x_ji grad W_ij is no unit matrix, so that
+pressure has a shear stress there, and what flows loses energy to it. With the inverse of that sum, L_i, the rate
+    (D rho / D t)_i = sum_j m (v_i - v_j).L_i grad W_ij + v_i.G_i + what the motion of the solids adds
+is exact for linear velocities (Bonet & Lok 1999, eq. 45), and the accelerations by pressures q = p / rho^2
+    a_i = -sum_j m (q_i L_i + q_j L_j) grad W_ij - q_i G_i
+are its adjoint, so that they keep momentum and angular momentum, and take no energy from what is not compressed.
+
+A solid counts as a half-space of fluid that moves with it as its mirror image: with A(s), the area of the kernel at the
+distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. Along it the correction
+makes good what the particle has no neighbours for. At a free surface, where more than half of them can be missing, the
+kernel's gradient stays: pressure is next to nothing there.
+"""
+
+import numpy as np
+import taichi as ti
+
+from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_area_host
+from sim.fluid.solids import approach, sheet_share
+from sim.fluid.system import FluidSystem
+from sim.neighbors import padded
+
+ARRAYS = (
+    Declared("correction", "vec4", "L: xx, yy, zz", saved=False),
+    Declared("skew", "vec4", "L: xy, xz, yz", saved=False),
+)
+BARE, FULL = 0.75, 0.9
+"""Third of the trace of the sum up to which gradients are not corrected, and from which they are."""
+
+
+def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
+    """Write L, G, D, pulls of faces, and as source the compression after `dt` [s] with the present velocities, for the
+    solids where `meet` has found them."""
+    particles, boundary = system.particles, system.boundary
+    faces = boundary.faces
+    _compression_rates(
+        system.count,
+        dt,
+        system.h,
+        system.mass,
+        system.spec.rest_density,
+        smallest_diagonal,
+        particles.position,
+        particles.velocity,
+        particles.correction,
+        particles.skew,
+        particles.solid,
+        particles.diagonal,
+        particles.source,
+        *system.lists,
+        boundary.velocity,
+        faces.begin,
+        faces.size,
+        faces.face,
+        faces.weight,
+        faces.solid,
+        faces.pull,
+        boundary.shapes.pose,
+        faces.excess,
+    )
+
+
+@ti.func
+def matrix(diagonal: vec4, skew: vec4) -> mat3:
+    """L of a particle."""
+    return mat3(
+        [[diagonal.x, skew.x, skew.y], [skew.x, diagonal.y, skew.z], [skew.y, skew.z, diagonal.z]],
+    )
+
+
+@ti.func
+def corrected_pressure_sum(
+    i: ti.i32,
+    position: Vec4Array,
+    correction: Vec4Array,
+    skew: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    inverse_h: real,
+) -> vec3:
+    """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w."""
+    x = position[i]
+    mine = x.w * matrix(correction[i], skew[i])
+    a = vec3(0.0)
+    for k in range(padded(size[i])):
+        j = index[i, k]
+        xj = position[j]
+        d = x.xyz - xj.xyz
+        a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
+    return a
+
+
+@ti.func
+def face_pull(face: vec4, weight: real, lens: mat3, inverse_h: real) -> vec3:
+    """What a half-space adds to G, over the rest density [1/m]."""
+    area = halfspace_area(ti.max(face.w, 0.0) * inverse_h) * inverse_h
+    return -2.0 * weight * area * (lens @ face.xyz)
+
+
+def face_pull_host(face: np.ndarray, weight: np.ndarray, lens: np.ndarray, h: float) -> np.ndarray:
+    """`face_pull` on the host: of faces, shape [n, 4], and matrices L, shape [n, 3, 3]; shape [n, 3]."""
+    area = halfspace_area_host(np.maximum(face[:, 3], 0.0) / h) / h
+    return -2.0 * (weight * area)[:, None] * np.einsum("nij,nj->ni", lens, face[:, :3])
+
+
+def matrices(correction: np.ndarray, skew: np.ndarray) -> np.ndarray:
+    """L of particles on the host, shape [n, 3, 3], from the arrays that hold it."""
+    (xx, yy, zz), (xy, xz, yz) = correction[:, :3].T, skew[:, :3].T
+    return np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=1).reshape(-1, 3, 3)
+
+
+@ti.kernel
+def _compression_rates(
+    count: ti.i32,
+    dt: real,
+    h: real,
+    mass: real,
+    rest_density: real,
+    smallest_diagonal: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    correction: Vec4Array,
+    skew: Vec4Array,
+    solid: Vec4Array,
+    diagonal: RealArray,
+    source: RealArray,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    sample_velocity: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    solid_of: IntArray,
+    pull: Vec4Array,
+    pose: DoubleTable,
+    excess: RealArray,
+):
+    inverse_h = 1.0 / h
+    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    for i in range(count):
+        x, v = position[i].xyz, velocity[i]
+        last = begin[i] + solids_near[i]
+        sums = mat3(0.0)
+        for k in range(padded(size[i])):
+            d = x - position[index[i, k]].xyz
+            sums -= cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+        sums *= mass / rest_density * slope_norm
+        if ti.static(has_samples):
+            for k in range(sample_size[i]):
+                b = samples[sample_index[i, k]]
+                d = x - b.xyz
+                sums -= slope_norm * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+        for e in range(begin[i], last):
+            n, s = face[e].xyz, ti.max(face[e].w, 0.0)
+            sums += 2.0 * face_weight[e] * s * halfspace_area(s * inverse_h) * inverse_h * n.outer_product(n)
+        full = ti.math.clamp((sums.trace() / 3.0 - BARE) / (FULL - BARE), 0.0, 1.0)
+        full *= full * (3.0 - 2.0 * full)
+        lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
+        correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)
+        skew[i] = vec4(lens[0, 1], lens[0, 2], lens[1, 2], 0.0)
+        along, squares, pairs = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            d = x - position[j].xyz
+            gradient = cubic_slope(d.norm() * inverse_h) * (lens @ d)
+            along += gradient
+            squares += gradient.dot(gradient)
+            pairs += gradient.dot(v.xyz - velocity[j].xyz)
+        gradient, rate = vec3(0.0), ti.cast(0.0, real)
+        for e in range(begin[i], last):
+            one = face_pull(face[e], face_weight[e], lens, inverse_h)
+            gradient += one
+            rate += one.dot(v.xyz - surface_velocity(solid_of[e], x + dt * v.xyz, pose))
+            pull[e].xyz = pull[e].w * one
+        if ti.static(has_samples):
+            there = x + dt * v.xyz
+            one = sheet_share(there, i, sample_size[i], sample_index, samples, inverse_h).xyz
+            gradient += one
+            rate += one.dot(v.xyz)
+            rate += approach(there, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
+        solid[i].xyz = rest_density * gradient
+        strength = mass * slope_norm
+        whole = strength * along + rest_density * gradient
+        d_ii = whole.dot(whole) + strength * strength * squares
+        diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+        density = relieved(v.w, rest_density, excess[i])
+        source[i] = density - rest_density + dt * (strength * pairs + rest_density * rate)
