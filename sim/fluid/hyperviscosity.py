@@ -1,11 +1,11 @@
 """Hyperviscosity: what takes from velocities the differences between neighbours that no smooth flow has.
 
 Particles under pressure tremble at the scale of their spacing, and trembling disorders them, which pressure then has to
-put right. With the elasticity of the network of pairs,
-    (B v)_i = 3 sum_j V W_ij e_ij e_ij.(v_i - v_j),     e_ij = x_ij / |x_ij|,
-velocities lose eps B B v in a step. B is symmetric and vanishes for rigid motions, so momentum and angular momentum
-stay, and energy falls; in a smooth flow of wave number k it acts as (k d)^4, where viscosity acts as (k d)^2 (compare
-the filters of large-eddy simulation, e.g. Pope 2000, sec. 13.5).
+put right. With the linear field C_i x that fits the velocities around a particle best, velocities lose in a step
+    eps sum_j V W_ij (u_i - u_j),     u_i = sum_j V W_ij [v_i - v_j - C_i (x_i - x_j)].
+What one of a pair loses the other gains, and linear flows, rotations among them, stay as they are. On a smooth flow of
+wave number k it acts as (k d)^4, where viscosity acts as (k d)^2 (compare the filters of large-eddy simulation, Pope
+2000, sec. 13.5, and for particles the viscosity between them of Monaghan 1989, which is the first sum alone).
 """
 
 import math
@@ -13,13 +13,15 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3
 from sim.fluid.kernel import cubic
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
 
-MOST = 0.25
-"""Of the differences at most this share is taken in a step: with twice as much they could grow."""
+MOST = 0.35
+"""Of the differences at most this share is taken in a step: with thrice as much they could grow."""
+SINGULAR = 1e-4
+"""Share of the trace that is added to second moments: neighbours in a plane tell no gradient across it."""
 
 
 class Hyperviscosity:
@@ -33,37 +35,50 @@ class Hyperviscosity:
         if self.rate == 0.0:
             return
         system, particles = self.system, self.system.particles
-        volume = system.mass / system.spec.rest_density
-        near = (system.count, system.h, particles.position)
-        lists = system.neighbors.size, system.neighbors.index
-        _add_differences(*near, particles.velocity, particles.kept, True, volume, *lists)
-        _add_differences(*near, particles.kept, particles.velocity, False, -min(self.rate * dt, MOST) * volume, *lists)
+        _damp(
+            system.count,
+            system.h,
+            system.mass / system.spec.rest_density,
+            min(self.rate * dt, MOST),
+            particles.position,
+            particles.velocity,
+            particles.kept,
+            system.neighbors.size,
+            system.neighbors.index,
+        )
 
 
 @ti.kernel
-def _add_differences(
+def _damp(
     count: ti.i32,
     h: real,
+    volume: real,
+    share: real,
     position: Vec4Array,
-    of: Vec4Array,
-    to: Vec4Array,
-    fresh: ti.template(),
-    factor: real,
+    velocity: Vec4Array,
+    rough: Vec4Array,
     size: IntArray,
     index: IntTable,
 ):
-    """To += factor / V B of, or to = that, where it is `fresh`."""
     inverse_h = 1.0 / h
-    norm = 24.0 / ti.math.pi * inverse_h**3 * factor
+    norm = volume * 8.0 / ti.math.pi * inverse_h**3
     for i in range(count):
-        x, one = position[i].xyz, of[i].xyz
-        total = vec3(0.0)
+        x, v = position[i].xyz, velocity[i].xyz
+        first, second, slope, difference = vec3(0.0), mat3(0.0), mat3(0.0), vec3(0.0)
         for k in range(padded(size[i])):
             j = index[i, k]
-            d = x - position[j].xyz
-            r2 = ti.max(d.dot(d), 1e-12 * h * h)
-            total += cubic(ti.sqrt(r2) * inverse_h) / r2 * d.dot(one - of[j].xyz) * d
-        if ti.static(fresh):
-            to[i].xyz = norm * total
-        else:
-            to[i].xyz += norm * total
+            d, dv = inverse_h * (x - position[j].xyz), v - velocity[j].xyz
+            weight = cubic(d.norm())
+            first += weight * d
+            second += weight * d.outer_product(d)
+            slope += weight * dv.outer_product(d)
+            difference += weight * dv
+        second += (SINGULAR * second.trace() + 1e-30) * ti.Matrix.identity(real, 3)
+        rough[i].xyz = norm * (difference - slope @ (second.inverse() @ first))
+    for i in range(count):
+        x = position[i].xyz
+        lost = vec3(0.0)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            lost += cubic((x - position[j].xyz).norm() * inverse_h) * (rough[i].xyz - rough[j].xyz)
+        velocity[i].xyz -= share * norm * lost

@@ -146,7 +146,7 @@ class Dfsph(Incompressible):
 
     divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
     """Mean compression in one step by the velocities after it, as a share of the rest density."""
-    hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 2.0
+    hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 3.0
     """Rate at which differences of velocity between neighbours fade that no smooth flow has, over sqrt(g / spacing): 0
     lets particles at rest tremble, more than the default slows what is only some spacings large."""
 
