@@ -77,8 +77,8 @@ class Dfsph(Incompressible):
         return told | {"capped": solution.capped or capped}
 
     def _part(self, dt: float) -> tuple[int, bool]:
-        """Add to velocities the way apart, until what is compressed where particles go is no more than asked for; returns
-        the iterations, and whether it is more."""
+        """Add to velocities the way apart, until no more is compressed where particles go than was asked for; returns
+        the iterations, and whether more is."""
         settings, tolerance = self.settings, self.settings.density_error * self.system.spec.rest_density
         iterations, last = 0, float("inf")
         for _ in range(MOST_LOOKS):
@@ -100,6 +100,7 @@ class Dfsph(Incompressible):
         if system.remembers:
             _remember(system.count, dt, particles.velocity, particles.pace, particles.pressed)
         _keep(system.count, particles.pace, particles.velocity)
+        system.lead()
 
 
 @ti.kernel

@@ -66,8 +66,10 @@ class Projection:
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
     def prepare(self) -> None:
-        """Densities, D, G, and in push the friction of the present velocities: that of `sim.fluid.momentum`, for pairs at
-        rest density."""
+        """Densities, D, G, and in push the friction of the present velocities.
+
+        That is the friction of `sim.fluid.momentum`, for pairs at rest density.
+        """
         system = self.system
         particles = system.particles
         _prepare(

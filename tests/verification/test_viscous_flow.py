@@ -146,7 +146,7 @@ def flow(system, dt: float, times: list[float], *, beside: bool = False):
     for time in times:
         while (step + 0.5) * dt < time:
             if beside:
-                projection.prepare(dt)
+                projection.prepare()
             momentum.accelerate()
             kick(system.count, dt, particles.velocity, particles.acceleration)
             told = mixing.mix(dt)
