@@ -9,7 +9,9 @@ are its adjoint, so that they keep momentum and angular momentum, and take no en
 
 A solid counts as a half-space of fluid that moves with it as its mirror image: with A(s), the area of the kernel at the
 distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. Along it the correction
-makes good what the particle has no neighbours for. At a free surface, where more than half of them can be missing, the
+makes good what the particle has no neighbours for. L_i n is not n where particles lie unevenly along the surface: a
+solid that pressed along n alone would leave what L_i makes of the pairs' forces there, which was tried, and slows
+bodies in water. At a free surface, where more than half of them can be missing, the
 kernel's gradient stays: pressure is next to nothing there.
 """
 
