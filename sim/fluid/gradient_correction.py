@@ -11,8 +11,8 @@ A solid counts as a half-space of fluid that moves with it as its mirror image: 
 distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. Along it the correction
 makes good what the particle has no neighbours for. L_i n is not n where particles lie unevenly along the surface: a
 solid that pressed along n alone would leave what L_i makes of the pairs' forces there, which was tried, and slows
-bodies in water. At a free surface, where more than half of them can be missing, the
-kernel's gradient stays: pressure is next to nothing there.
+bodies in water. At a free surface, where more than half of them can be missing, the kernel's gradient stays: pressure
+is next to nothing there.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ import taichi as ti
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_area_host
+from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_area_host, halfspace_volume
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
@@ -31,7 +31,8 @@ ARRAYS = (
     Declared("skew", "vec4", "L: xy, xz, yz", saved=False),
 )
 BARE, FULL = 0.75, 0.9
-"""Third of the trace of the sum up to which gradients are not corrected, and from which they are."""
+"""Third of the trace of the sum over particles, over what it is where they fill all that solids leave, up to which
+gradients are not corrected, and from which they are."""
 
 
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
@@ -161,10 +162,13 @@ def _compression_rates(
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
                 sums -= slope_norm * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+        there, room = sums.trace() / 3.0, ti.cast(1.0, real)
         for e in range(begin[i], last):
-            n, s = face[e].xyz, ti.max(face[e].w, 0.0)
-            sums += 2.0 * face_weight[e] * s * halfspace_area(s * inverse_h) * inverse_h * n.outer_product(n)
-        full = ti.math.clamp((sums.trace() / 3.0 - BARE) / (FULL - BARE), 0.0, 1.0)
+            n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
+            across = q * halfspace_area(q)
+            sums += 2.0 * face_weight[e] * across * n.outer_product(n)
+            room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
+        full = ti.math.clamp((there / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
         lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
         correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)

@@ -60,13 +60,14 @@ def here(system, name: str) -> np.ndarray:
 
 
 def third_of_the_trace(system, *, wall: bool) -> np.ndarray:
-    """Of the sum that L is the inverse of, shape [n]."""
-    from sim.fluid.kernel import cubic_slope_host, halfspace_area_host
+    """Of the sum over particles, over what it is where they fill all that the wall leaves, shape [n]."""
+    from sim.fluid.kernel import cubic_slope_host, halfspace_area_host, halfspace_volume_host
 
     x = here(system, "position")[:, :3]
     r = np.linalg.norm(x[:, None] - x[None], axis=2)
     trace = -(system.mass / 1000.0 * cubic_slope_host(r, H) * r**2).sum(axis=1)
-    return (trace + (2 * x[:, 1] * halfspace_area_host(x[:, 1] / H) / H if wall else 0)) / 3
+    q = x[:, 1] / H if wall else np.full(len(x), 1.0)
+    return trace / 3 / (1 - halfspace_volume_host(q) - q * halfspace_area_host(q) / 3)
 
 
 @pytest.mark.parametrize("wall", [False, True])
