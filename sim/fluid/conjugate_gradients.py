@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces import pressure_sum
 from sim.fluid.gradient_correction import corrected_pressure_sum, matrix
@@ -283,15 +283,15 @@ def _iterate(
                 downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
                 position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
         for i in range(count):
-            solids = -position[i].w * solid[i].xyz
+            a = vec3(0.0)
             if ti.static(corrected):
-                pairs = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
-                push[i].xyz = strength * pairs + solids
+                a = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
             else:
-                a = strength * pressure_sum(i, position, size, index, inverse_h) + solids
-                if solid[i].w > 0.0:
-                    a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-                push[i].xyz = a
+                a = pressure_sum(i, position, size, index, inverse_h)
+            a = strength * a - position[i].w * solid[i].xyz
+            if solid[i].w > 0.0:
+                a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
+            push[i].xyz = a
     if ti.static(part != PUSH):
         for row in range(rows):
             gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)

@@ -8,10 +8,14 @@ is exact for linear velocities (Bonet & Lok 1999, eq. 45), and the accelerations
 are its adjoint, so that they keep momentum and angular momentum, and take no energy from what is not compressed.
 
 A solid counts as a half-space of fluid that moves with it as its mirror image: with A(s), the area of the kernel at the
-distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. Along it the correction
-makes good what the particle has no neighbours for. L_i n is not n where particles lie unevenly along the surface: a
-solid that pressed along n alone would leave what L_i makes of the pairs' forces there, which was tried, and slows
-bodies in water. At a free surface, where more than half of them can be missing, the kernel's gradient stays: pressure
+distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. L_i n is not n where
+particles lie unevenly along the surface: a solid that pressed along n alone would leave what L_i makes of the pairs'
+forces there, which was tried, and slows bodies in water.
+
+Along a surface a particle has fewer neighbours than elsewhere. Where L_i makes that good, differences of velocity are
+right, but differences of pressure are not: neighbours further off have another L_j, and water at rest would be pushed
+down next to walls and up a layer further in. So along what obeys no forces it is left to `half_space.along_faces`, and
+what is missing counts in the sum as if it were there. At a free surface, where more than half of them can be missing, the kernel's gradient stays: pressure
 is next to nothing there.
 """
 
@@ -20,6 +24,7 @@ import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_area_host, halfspace_volume
 from sim.fluid.solids import approach, sheet_share
@@ -56,10 +61,7 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
         particles.source,
         *system.lists,
         boundary.velocity,
-        faces.begin,
-        faces.size,
-        faces.face,
-        faces.weight,
+        *faces.lists,
         faces.solid,
         faces.pull,
         boundary.shapes.pose,
@@ -142,6 +144,8 @@ def _compression_rates(
     solids_near: IntArray,
     face: Vec4Array,
     face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
     solid_of: IntArray,
     pull: Vec4Array,
     pose: DoubleTable,
@@ -167,6 +171,7 @@ def _compression_rates(
             n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
             across = q * halfspace_area(q)
             sums += 2.0 * face_weight[e] * across * n.outer_product(n)
+            sums += held[e] * halfspace_volume(q) * (ti.Matrix.identity(real, 3) - n.outer_product(n))
             room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
         full = ti.math.clamp((there / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
@@ -186,7 +191,7 @@ def _compression_rates(
             one = face_pull(face[e], face_weight[e], lens, inverse_h)
             gradient += one
             rate += one.dot(v.xyz - surface_velocity(solid_of[e], x + dt * v.xyz, pose))
-            pull[e].xyz = pull[e].w * one
+            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
         if ti.static(has_samples):
             there = x + dt * v.xyz
             one = sheet_share(there, i, sample_size[i], sample_index, samples, inverse_h).xyz
