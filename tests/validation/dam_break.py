@@ -29,8 +29,6 @@ HEIGHT_UNIT = np.sqrt(A / G)
 """The time tau = 1 [s] of the height's table."""
 LAST = int(np.ceil(3.44 * HEIGHT_UNIT * FPS))
 """The frame at the end of both tables."""
-SETTINGS = {"dfsph": {"divergence_error": 1e-4}}
-"""At its default of 1e-3 the divergence is small enough in every step here: DFSPH would do what IISPH does."""
 FILES = {
     "front": "martin_moyce_front.csv",
     "height": "martin_moyce_height.csv",
@@ -62,7 +60,6 @@ def scene(solver: str, across: int, **fluid: Any) -> dict[str, Any]:
         },
         "fluid": {
             "solver": solver,
-            solver: SETTINGS.get(solver, {}),
             "particle_radius": spacing / 2,
             "bodies": {"column": {"shape": {"type": "box", "size": [A, 2 * A, depth]}, "position": [A / 2, A, 0]}},
             **fluid,

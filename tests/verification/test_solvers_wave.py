@@ -140,3 +140,12 @@ def test_the_numerical_viscosity_converges(tmp_path, solver):
     print(f"{solver}: nu {found} m^2/s on {layers} layers, order {order:.2f}")
     assert found[0] > found[1] > found[2] > 0
     assert order > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("layers", [8, 12])
+def test_corrected_gradients_halve_the_numerical_viscosity(tmp_path, layers):
+    """At least: it is the shear stress of pressure in what is strained, which IISPH has and DFSPH corrects."""
+    found = [swing(tmp_path / solver, solver, layers, 3)[1] for solver in ("dfsph", "iisph")]
+    print(f"{layers} layers: nu {found[0]:.2e}, {found[1]:.2e} m^2/s")
+    assert 0 < found[0] < found[1] / 2
