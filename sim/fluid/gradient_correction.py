@@ -166,14 +166,14 @@ def _compression_rates(
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
                 sums -= slope_norm * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
-        there, room = sums.trace() / 3.0, ti.cast(1.0, real)
+        filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
         for e in range(begin[i], last):
             n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
             across = q * halfspace_area(q)
             sums += 2.0 * face_weight[e] * across * n.outer_product(n)
             sums += held[e] * halfspace_volume(q) * (ti.Matrix.identity(real, 3) - n.outer_product(n))
             room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
-        full = ti.math.clamp((there / room - BARE) / (FULL - BARE), 0.0, 1.0)
+        full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
         lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
         correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)
