@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame
+from tests.particles import positions, read_frame, velocities
 from tests.solvers import ITERATIVE, SOLVERS, probe, run, steps
 
 RHO, G, WIDTH, D = 1000.0, 9.81, 0.25, 0.05
@@ -113,3 +114,28 @@ def test_the_floor_bears_the_weight(tmp_path, solver):
     pressure = -(dt * push[1:])[late].sum() / dt[late].sum() / width**2
     print(f"{solver}: {pressure / (RHO * G * height) - 1:+.2%} of the pressure")
     assert pressure == pytest.approx(RHO * G * height, rel=0.02)
+
+
+@pytest.mark.slow
+def test_water_in_a_shaft_does_not_roll_over(tmp_path):
+    """12 x 6 x 40 particles, by DFSPH: averaged over cells of two spacings and two seconds, nothing that is up or down
+    by walls or in the middle goes faster than a tenth of sqrt(g d), the speed of what falls by half a spacing."""
+    d, size = 0.02, np.array([0.24, 0.8, 0.12])
+    spec = {
+        "fps": 10,
+        "containers": {"shaft": {"type": "box", "size": [size[0], 1.5 * size[1], size[2]]}},
+        "fluid": {
+            "solver": "dfsph",
+            "particle_radius": d / 2,
+            "bodies": {"water": {"shape": {"type": "box", "size": size.tolist()}, "position": [0, size[1] / 2, 0]}},
+        },
+    }
+    out = run(spec, tmp_path, 40)
+    frames = [read_frame(out, frame) for frame in range(20, 41)]
+    x, v = (np.concatenate([of(frame) for frame in frames]) for of in (positions, velocities))
+    middle = np.abs(x[:, 1] / size[1] - 0.55) < 0.2
+    cell = np.floor((x[middle] / size + [0.5, 0, 0.5]) * size / (2 * d))[:, [0, 2]] @ [100, 1]
+    streams = [v[middle][cell == one, 1].mean() for one in np.unique(cell)]
+    print(f"{min(streams):+.3f} to {max(streams):+.3f} m/s in {len(streams)} cells")
+    assert len(streams) == 18
+    assert np.abs(streams).max() < 0.1 * np.sqrt(G * d)
