@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.fluid.friction import find_grip
-from sim.fluid.gradient_correction import face_pull_host, matrices
+from sim.fluid.gradient_correction import correct_pulls
 from sim.fluid.reaction import INERTIA, Reaction
 from sim.fluid.system import FluidSystem
 
@@ -27,13 +27,10 @@ def reaction(
     inertia = np.zeros((1, INERTIA))
     inertia[0, :3] = centre
     on_solid.weigh(inertia)
-    wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0]
-    lens = _corrections(system)
-    if lens is None:
-        wrench = wrench + _held(system, on_solid)
+    wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0] + _held(system, on_solid)
     position = system.particles.numpy("position").astype(np.float64)
     for pressure, way in _pushes(system, position):
-        wrench = wrench + _pressed(system, solid, centre, position[:, :3] - way, pressure, lens, region)
+        wrench = wrench + _pressed(system, solid, centre, position[:, :3] - way, pressure, region)
     return wrench[:3], wrench[3:]
 
 
@@ -49,14 +46,6 @@ def _held(system: FluidSystem, on_solid: Reaction) -> np.ndarray:
     wrench = on_solid.held()[0]
     particles.position.from_numpy(before)
     return wrench
-
-
-def _corrections(system: FluidSystem) -> np.ndarray | None:
-    """L of `sim.fluid.gradient_correction`, shape [n, 3, 3], if pressures act with it."""
-    particles = system.particles
-    if not hasattr(particles, "correction"):
-        return None
-    return matrices(particles.numpy("correction").astype(np.float64), particles.numpy("skew").astype(np.float64))
 
 
 def _narrow(system: FluidSystem, on_solid: Reaction, region: np.ndarray) -> None:
@@ -84,11 +73,12 @@ def _pressed(
     centre: np.ndarray,
     points: np.ndarray,
     pressure: np.ndarray,
-    lens: np.ndarray | None,
     region: np.ndarray | None,
 ) -> np.ndarray:
     """Wrench on a solid, shape [6], of pressures as q that acted where particles would have gone [m], shape [n, 3]."""
     faces = system.boundary.around(points)
+    if hasattr(system.particles, "correction"):
+        correct_pulls(system, faces)
     begin, size = faces.begin.to_numpy()[: len(points)], faces.size.to_numpy()[: len(points)]
     particle = np.repeat(np.arange(len(points)), size)
     entry = np.repeat(begin, size) + np.arange(len(particle)) - np.repeat(np.cumsum(size) - size, size)
@@ -96,11 +86,8 @@ def _pressed(
     if region is not None:
         mine &= _within(region, points[particle], faces.face.to_numpy()[entry])
     particle, entry = particle[mine], entry[mine]
-    pull = faces.pull.to_numpy()[entry].astype(np.float64)
-    if lens is not None:
-        face, weight = (values.to_numpy()[entry].astype(np.float64) for values in (faces.face, faces.weight))
-        pull[:, :3] = pull[:, 3:] * face_pull_host(face, weight, lens[particle], system.h)
-    force = system.mass * system.spec.rest_density * pressure[particle, None] * pull[:, :3]
+    pull = faces.pull.to_numpy()[entry, :3].astype(np.float64)
+    force = system.mass * system.spec.rest_density * pressure[particle, None] * pull
     torque = np.cross(points[particle] - centre, force)
     return np.concatenate((force.sum(axis=0), torque.sum(axis=0)))
 

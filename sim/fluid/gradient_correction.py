@@ -19,14 +19,14 @@ what is missing counts in the sum as if it were there. At a free surface, where 
 the kernel's gradient stays: pressure is next to nothing there.
 """
 
-import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_area_host, halfspace_volume
+from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_volume
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
@@ -106,16 +106,32 @@ def face_pull(face: vec4, weight: real, lens: mat3, inverse_h: real) -> vec3:
     return -2.0 * weight * area * (lens @ face.xyz)
 
 
-def face_pull_host(face: np.ndarray, weight: np.ndarray, lens: np.ndarray, h: float) -> np.ndarray:
-    """`face_pull` on the host: of faces, shape [n, 4], and matrices L, shape [n, 3, 3]; shape [n, 3]."""
-    area = halfspace_area_host(np.maximum(face[:, 3], 0.0) / h) / h
-    return -2.0 * (weight * area)[:, None] * np.einsum("nij,nj->ni", lens, face[:, :3])
+def correct_pulls(system: FluidSystem, faces: Faces) -> None:
+    """Write what half-spaces add to G of particles elsewhere, in their order, with L as it is."""
+    particles = system.particles
+    _correct_pulls(system.count, system.h, particles.correction, particles.skew, *faces.lists, faces.pull)
 
 
-def matrices(correction: np.ndarray, skew: np.ndarray) -> np.ndarray:
-    """L of particles on the host, shape [n, 3, 3], from the arrays that hold it."""
-    (xx, yy, zz), (xy, xz, yz) = correction[:, :3].T, skew[:, :3].T
-    return np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=1).reshape(-1, 3, 3)
+@ti.kernel
+def _correct_pulls(
+    count: ti.i32,
+    h: real,
+    correction: Vec4Array,
+    skew: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    pull: Vec4Array,
+):
+    inverse_h = 1.0 / h
+    for i in range(count):
+        lens = matrix(correction[i], skew[i])
+        for e in range(begin[i], begin[i] + solids_near[i]):
+            one = face_pull(face[e], face_weight[e], lens, inverse_h)
+            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
 
 
 @ti.kernel

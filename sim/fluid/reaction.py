@@ -127,13 +127,17 @@ class Reaction:
         """Wrenches of what solids that obey no forces hold along their surfaces (`along_faces`), by the pressures in
         position.w, shape [bodies, 6]."""
         system = self.system
-        faces = system.boundary.faces
+        particles, faces = system.particles, system.boundary.faces
+        corrected = hasattr(particles, "correction")
         reaction_sums.hold(
             self.ends,
             self.order,
             system.h,
             system.mass,
-            system.particles.position,
+            particles.position,
+            corrected,
+            particles.correction if corrected else particles.position,
+            particles.skew if corrected else particles.position,
             system.neighbors.size,
             system.neighbors.index,
             *faces.lists,

@@ -8,6 +8,7 @@ from sim.fluid.boundary.half_space import along_face, face_damping
 from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import pressure_sum
 from sim.fluid.friction import face_friction
+from sim.fluid.gradient_correction import corrected_pressure_sum
 from sim.fluid.sums import span
 
 PARTS = 64
@@ -171,6 +172,9 @@ def hold(
     h: real,
     mass: real,
     position: Vec4Array,
+    corrected: ti.template(),
+    correction: Vec4Array,
+    skew: Vec4Array,
     size: IntArray,
     index: IntTable,
     begin: IntArray,
@@ -196,7 +200,12 @@ def hold(
             e = order[entry]
             i = particle[e]
             if held[e] > 0.0 and face[e].w < h:
-                pushed, more = strength * pressure_sum(i, position, size, index, inverse_h), vec3(0.0)
+                pushed, more = vec3(0.0), vec3(0.0)
+                if ti.static(corrected):
+                    pushed = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
+                else:
+                    pushed = pressure_sum(i, position, size, index, inverse_h)
+                pushed *= strength
                 count = solids_near[i]
                 for n in range(2 * count):
                     one = begin[i] + ti.min(n, 2 * count - 1 - n)
