@@ -38,6 +38,8 @@ ARRAYS = (
 BARE, FULL = 0.75, 0.9
 """Third of the trace of the sum over particles, over what it is where they fill all that solids leave, up to which
 gradients are not corrected, and from which they are."""
+FLAT, ROUND = 0.25, 0.5
+"""The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
 
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
@@ -191,6 +193,7 @@ def _compression_rates(
             room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
         full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
+        full *= ti.math.clamp((sums.determinant() - FLAT) / (ROUND - FLAT), 0.0, 1.0)
         lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
         correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)
         skew[i] = vec4(lens[0, 1], lens[0, 2], lens[1, 2], 0.0)

@@ -73,8 +73,9 @@ def _damp(
             second += weight * d.outer_product(d)
             slope += weight * dv.outer_product(d)
             difference += weight * dv
-        second += (SINGULAR * second.trace() + 1e-30) * ti.Matrix.identity(real, 3)
-        rough[i].xyz = norm * (difference - slope @ (second.inverse() @ first))
+        scale = 1.0 / ti.max(second.trace(), 1e-12)
+        second = scale * second + SINGULAR * ti.Matrix.identity(real, 3)
+        rough[i].xyz = norm * (difference - slope @ (second.inverse() @ (scale * first)))
     for i in range(count):
         x = position[i].xyz
         lost = vec3(0.0)

@@ -20,6 +20,8 @@ FEATURES = {
     "xsph": {"xsph": 0.1},
 }
 """Settings by the module of sim.fluid that they need."""
+ITERATIVE = {"incompressible", "projection", "conjugate_gradients"}
+CORRECTED = {"dfsph", "gradient_correction", "hyperviscosity"}
 ABSENT = ("tension", "adhesion", "viscosity", "xsph", "wcsph", "pcisph", "emitters", "streams", "drains")
 
 
@@ -92,5 +94,6 @@ def test_what_a_scene_has_adds_its_own_kernels_only(tmp_path, plain, name):
     assert (
         not lost
         or (name == "no walls" and lost == {"boundary"})
-        or (name in ("wcsph", "pcisph") and lost <= {"incompressible", "projection", "conjugate_gradients"})
+        or (name in ("wcsph", "pcisph") and lost <= ITERATIVE | CORRECTED)
+        or (name == "iisph" and lost == CORRECTED)
     )
