@@ -3,7 +3,7 @@
 The kernel's own gradient is not: in a lattice that has been strained, sum_j V x_ji grad W_ij is no unit matrix, so that
 pressure has a shear stress there, and what flows loses energy to it. With the inverse of that sum, L_i, the rate
     (D rho / D t)_i = sum_j m (v_i - v_j).L_i grad W_ij + v_i.G_i + what the motion of the solids adds
-is exact for linear velocities (Bonet & Lok 1999, eq. 45), and the accelerations by pressures q = p / rho^2
+is exact for linear velocities (Bonet & Lok 1999), and the accelerations by pressures q = p / rho^2
     a_i = -sum_j m (q_i L_i + q_j L_j) grad W_ij - q_i G_i
 are its adjoint, so that they keep momentum and angular momentum, and take no energy from what is not compressed.
 

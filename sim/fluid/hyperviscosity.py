@@ -5,7 +5,7 @@ put right. With the linear field C_i x that fits the velocities around a particl
     eps sum_j V W_ij (u_i - u_j),     u_i = sum_j V W_ij [v_i - v_j - C_i (x_i - x_j)].
 What one of a pair loses the other gains, and linear flows, rotations among them, stay as they are. On a smooth flow of
 wave number k it acts as (k d)^4, where viscosity acts as (k d)^2 (compare the filters of large-eddy simulation, Pope
-2000, sec. 13.5, and for particles the viscosity between them of Monaghan 1989, which is the first sum alone).
+2000, ch. 13, and for particles the viscosity between them of Monaghan 1989, which is the first sum alone).
 """
 
 import math
