@@ -85,7 +85,7 @@ class Dfsph(Incompressible):
             self.projection.predict(dt)
             mean, worst = self.apart.compression()
             if mean <= tolerance and worst <= self.apart.worst:
-                return iterations, False
+                return iterations, iterations >= settings.max_iterations
             if mean > LESS * last or iterations >= settings.max_iterations:
                 break
             last = mean
