@@ -27,25 +27,11 @@ def reaction(
     inertia = np.zeros((1, INERTIA))
     inertia[0, :3] = centre
     on_solid.weigh(inertia)
-    wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0] + _held(system, on_solid)
+    wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0] + on_solid.held()[0]
     position = system.particles.numpy("position").astype(np.float64)
     for pressure, way in _pushes(system, position):
         wrench = wrench + _pressed(system, solid, centre, position[:, :3] - way, pressure, region)
     return wrench[:3], wrench[3:]
-
-
-def _held(system: FluidSystem, on_solid: Reaction) -> np.ndarray:
-    """Wrench by what the solid holds along its surface, of all pressures of the last step, shape [6]."""
-    particles = system.particles
-    if not system.remembers:
-        return on_solid.held()[0]
-    before = particles.position.to_numpy()
-    whole = before.copy()
-    whole[: system.count, 3] = system.pressures()
-    particles.position.from_numpy(whole)
-    wrench = on_solid.held()[0]
-    particles.position.from_numpy(before)
-    return wrench
 
 
 def _narrow(system: FluidSystem, on_solid: Reaction, region: np.ndarray) -> None:
@@ -97,9 +83,8 @@ def _pushes(system: FluidSystem, position: np.ndarray) -> list[tuple[np.ndarray,
     if not system.remembers:
         return []
     pressed = system.particles.numpy("pressed").astype(np.float64)
-    after = [(pressed[:, 3], np.zeros((len(pressed), 3)))]
     if not hasattr(system.particles, "corrected"):
-        return [*after, (position[:, 3], pressed[:, :3])]
+        return [(position[:, 3], pressed[:, :3])]
     corrected = system.particles.numpy("corrected").astype(np.float64)
     first = (position[:, 3] - corrected[:, 3], pressed[:, :3])
-    return [*after, first, (corrected[:, 3], corrected[:, :3])]
+    return [first, (corrected[:, 3], corrected[:, :3])]

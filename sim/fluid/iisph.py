@@ -34,7 +34,7 @@ class Iisph(Incompressible):
     ARRAYS = projection.ARRAYS
     FINDS_FRICTION = True
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
-        Declared("pressed", "vec4", "way by pressure in the last step [m]; w: q that acted after it", saved=False),
+        Declared("pressed", "vec4", "way by pressure in the last step [m]", saved=False),
         Declared("corrected", "vec4", "share of later looks of that way [m]; w: their share of q", saved=False),
     )
 

@@ -247,8 +247,7 @@ class FluidSystem:
 
     def pressures(self) -> np.ndarray:
         """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
-        found = self.particles.numpy("position")[:, 3].astype(np.float64)
-        return found + self.particles.numpy("pressed")[:, 3] if self.remembers else found
+        return self.particles.numpy("position")[:, 3].astype(np.float64)
 
     def measure(self, way: float, speed_limit: float, level: float, depth: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
