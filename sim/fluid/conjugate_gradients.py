@@ -15,10 +15,9 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.half_space import along_faces
-from sim.fluid.forces import pressure_sum
-from sim.fluid.gradient_correction import corrected_pressure_sum, matrix
+from sim.fluid.gradient_correction import matrix, pair_pressures
 from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import span
@@ -283,12 +282,8 @@ def _iterate(
                 downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
                 position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
         for i in range(count):
-            a = vec3(0.0)
-            if ti.static(corrected):
-                a = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
-            else:
-                a = pressure_sum(i, position, size, index, inverse_h)
-            a = strength * a - position[i].w * solid[i].xyz
+            a = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
+            a -= position[i].w * solid[i].xyz
             if solid[i].w > 0.0:
                 a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
             push[i].xyz = a

@@ -22,7 +22,7 @@ from sim.fluid.solids import remember_way
 from sim.fluid.system import FluidSystem
 
 MOST_LOOKS = 5
-"""At where particles would go, to move them apart: what equations leave out falls by the square of the way."""
+"""At where particles are, to move them apart: what equations leave out falls by the square of the way."""
 LESS = 0.5
 """A look that leaves more than this of the mean compression was the last: fluid that has no room can not be moved
 apart."""
@@ -71,36 +71,33 @@ class Dfsph(Incompressible):
             system.bodies.take(dt)
         if system.remembers:
             remember_way(system.count, dt, particles.kept, particles.pressed)
-        _keep(system.count, particles.velocity, particles.pace)
-        iterations, capped = self._part(dt)
-        told = {"pressure_iterations": iterations, "divergence_iterations": solution.iterations}
-        return told | {"capped": solution.capped or capped}
+        return {"divergence_iterations": solution.iterations, "capped": solution.capped}
 
-    def _part(self, dt: float) -> tuple[int, bool]:
-        """Add to velocities the way apart, until no more is compressed where particles go than was asked for; returns
-        the iterations, and whether more is."""
+    def part(self, dt: float) -> dict[str, float]:
         settings, tolerance = self.settings, self.settings.density_error * self.system.spec.rest_density
         iterations, last = 0, float("inf")
         for _ in range(MOST_LOOKS):
-            self.projection.predict(dt)
+            self.projection.predict(0.0)
             mean, worst = self.apart.compression()
             if mean <= tolerance and worst <= self.apart.worst:
-                return iterations, iterations >= settings.max_iterations
+                break
             if mean > LESS * last or iterations >= settings.max_iterations:
                 break
             last = mean
-            iterations += self.apart.solve(
-                dt, tolerance, 1, settings.max_iterations - iterations, warm=False, ahead=dt, alone=True
-            ).iterations
-        return iterations, iterations >= settings.max_iterations
+            iterations += self._move_apart(dt, tolerance, settings.max_iterations - iterations)
+        return {"pressure_iterations": iterations, "capped": iterations >= settings.max_iterations}
 
-    def halt(self, dt: float) -> None:
-        """Take the way apart, which particles have gone in this step, from their velocities."""
+    def _move_apart(self, dt: float, tolerance: float, most: int) -> int:
+        """One look; what is led through nozzles stays where it is. Returns the iterations."""
         system, particles = self.system, self.system.particles
+        system.lead()
+        _keep(system.count, particles.velocity, particles.pace)
+        iterations = self.apart.solve(dt, tolerance, 1, most, warm=False, ahead=0.0, alone=True).iterations
+        system.lead()
         if system.remembers:
             _remember(system.count, dt, particles.velocity, particles.pace, particles.pressed)
-        _keep(system.count, particles.pace, particles.velocity)
-        system.lead()
+        _shift(system.count, dt, particles.position, particles.velocity, particles.pace)
+        return iterations
 
 
 @ti.kernel
@@ -113,3 +110,11 @@ def _keep(count: ti.i32, velocity: Vec4Array, pace: Vec4Array):
 def _remember(count: ti.i32, dt: real, velocity: Vec4Array, pace: Vec4Array, pressed: Vec4Array):
     for i in range(count):
         pressed[i].xyz += dt * (velocity[i].xyz - pace[i].xyz)
+
+
+@ti.kernel
+def _shift(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, pace: Vec4Array):
+    """Go the way apart that is in the velocities, and take it from these."""
+    for i in range(count):
+        position[i].xyz += dt * (velocity[i].xyz - pace[i].xyz)
+        velocity[i].xyz = pace[i].xyz

@@ -26,6 +26,7 @@ from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.forces import pressure_sum
 from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_volume
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
@@ -80,24 +81,29 @@ def matrix(diagonal: vec4, skew: vec4) -> mat3:
 
 
 @ti.func
-def corrected_pressure_sum(
+def pair_pressures(
     i: ti.i32,
     position: Vec4Array,
+    corrected: ti.template(),
     correction: Vec4Array,
     skew: Vec4Array,
     size: IntArray,
     index: IntTable,
     inverse_h: real,
 ) -> vec3:
-    """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w."""
-    x = position[i]
-    mine = x.w * matrix(correction[i], skew[i])
+    """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w; where it is not
+    `corrected`, L is the unit matrix, and both arrays are not read."""
     a = vec3(0.0)
-    for k in range(padded(size[i])):
-        j = index[i, k]
-        xj = position[j]
-        d = x.xyz - xj.xyz
-        a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
+    if ti.static(corrected):
+        x = position[i]
+        mine = x.w * matrix(correction[i], skew[i])
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            xj = position[j]
+            d = x.xyz - xj.xyz
+            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
+    else:
+        a = pressure_sum(i, position, size, index, inverse_h)
     return a
 
 

@@ -73,15 +73,13 @@ class Incompressible:
         system.boundary.move()
         told = self.mixing.mix(dt)
         system.lead()
-        mixing_capped = told["capped"]
-        told |= self.press(dt)
-        told["capped"] += mixing_capped
+        _tell(told, self.press(dt))
         system.lead()
         if system.bodies:
             told |= system.bodies.settle(dt)
             system.boundary.move()
         _move(system.count, dt, particles.position, particles.velocity)
-        self.halt(dt)
+        _tell(told, self.part(dt))
         if system.bodies:
             system.bodies.hold_off(dt)
         system.boundary.hold_off(particles.position, particles.velocity, system.count)
@@ -94,12 +92,20 @@ class Incompressible:
         """Find densities, and what else the solver needs, at the present positions."""
         raise NotImplementedError
 
-    def halt(self, dt: float) -> None:
-        """Take from velocities what was only to move particles in this step."""
-
     def press(self, dt: float) -> dict[str, float]:
         """Find pressures and add what they do to velocities; returns the statistics."""
         raise NotImplementedError
+
+    def part(self, dt: float) -> dict[str, float]:
+        """Move apart what is too dense where all are after the step dt [s], without a change of velocities; returns the
+        statistics."""
+        return {}
+
+
+def _tell(told: dict[str, float], more: dict[str, float]) -> None:
+    """Add the statistics of one more part of a step."""
+    for name, value in more.items():
+        told[name] = told.get(name, 0) + value
 
 
 @ti.kernel

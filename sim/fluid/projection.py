@@ -65,10 +65,10 @@ class Projection:
         slope = cubic_slope_host(r, h)
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
-    def prepare(self) -> None:
-        """Densities, D, G, and in push the friction of the present velocities.
+    def prepare(self, *, diagonal: bool = True) -> None:
+        """Densities, G, in push the friction of the present velocities, and D unless a solver has another `diagonal`.
 
-        That is the friction of `sim.fluid.momentum`, for pairs at rest density.
+        Friction is that of `sim.fluid.momentum`, for pairs at rest density.
         """
         system = self.system
         particles = system.particles
@@ -81,6 +81,7 @@ class Projection:
             particles.position,
             particles.velocity,
             particles.solid,
+            diagonal,
             particles.diagonal,
             self.viscosity > 0,
             self.viscosity,
@@ -123,6 +124,7 @@ def _prepare(
     position: Vec4Array,
     velocity: Vec4Array,
     solid: Vec4Array,
+    has_diagonal: ti.template(),
     diagonal: RealArray,
     has_viscosity: ti.template(),
     viscosity: real,
@@ -150,8 +152,9 @@ def _prepare(
             q = ti.sqrt(r2) * inverse_h
             slope = cubic_slope(q)
             near += cubic(q)
-            squares += slope * slope * r2
-            along += slope * d
+            if ti.static(has_diagonal):
+                squares += slope * slope * r2
+                along += slope * d
             if ti.static(has_viscosity):
                 rub += viscous(d.dot(v - velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
         if ti.static(has_viscosity):
@@ -164,9 +167,10 @@ def _prepare(
         gradient = rest_density * share.xyz
         velocity[i].w = density
         solid[i] = vec4(gradient, rest_density * share.w)
-        whole = mass * slope_norm * along + gradient
-        d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
-        diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+        if ti.static(has_diagonal):
+            whole = mass * slope_norm * along + gradient
+            d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
+            diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
 
 
 @ti.kernel

@@ -6,9 +6,8 @@ from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, re
 from sim.fluid.adhesion import face_adhesion
 from sim.fluid.boundary.half_space import along_face, face_damping
 from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.forces import pressure_sum
 from sim.fluid.friction import face_friction
-from sim.fluid.gradient_correction import corrected_pressure_sum
+from sim.fluid.gradient_correction import pair_pressures
 from sim.fluid.sums import span
 
 PARTS = 64
@@ -200,12 +199,8 @@ def hold(
             e = order[entry]
             i = particle[e]
             if held[e] > 0.0 and face[e].w < h:
-                pushed, more = vec3(0.0), vec3(0.0)
-                if ti.static(corrected):
-                    pushed = corrected_pressure_sum(i, position, correction, skew, size, index, inverse_h)
-                else:
-                    pushed = pressure_sum(i, position, size, index, inverse_h)
-                pushed *= strength
+                pushed = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
+                more = vec3(0.0)
                 count = solids_near[i]
                 for n in range(2 * count):
                     one = begin[i] + ti.min(n, 2 * count - 1 - n)

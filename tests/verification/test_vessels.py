@@ -1,7 +1,9 @@
-"""Water in a glass with walls thinner and thicker than a spacing, and bodies on the ground of a tank.
+"""Water in a glass with walls from a tenth of a spacing to four: filled, poured, carried and tipped; and bodies on the
+ground of a tank.
 
 A glass of inner radius R that holds N particles of the volume d^3 over its bottom has the level N d^3 / (pi R^2), and
-is pressed down by their weight.
+is pressed down by their weight. Tipped by the angle a until some runs out, one of the inner height H keeps
+pi R^2 (H - R tan a), as long as that leaves its bottom covered.
 """
 
 from __future__ import annotations
@@ -9,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.in_time import in_time
 from tests.particles import positions, read_frame, read_table
 from tests.solvers import probe
 from tests.vessels import FLOOR, RADIUS, SPACING, glass
@@ -16,20 +19,42 @@ from tests.vessels import FLOOR, RADIUS, SPACING, glass
 HEIGHT, RHO, G = 0.05, 1000.0, 9.81
 
 
+def water(height: float) -> dict:
+    return {"shape": {"type": "cylinder", "radius": RADIUS, "height": height}, "position": [0, FLOOR + height / 2, 0]}
+
+
+def scene(fluid: dict, keyframes: tuple[dict, ...] = ()) -> dict:
+    """As a user would write it: the solver, the size of particles, and the glass."""
+    body: dict = {"shape": {"type": "mesh", "file": "glass.ply"}}
+    if keyframes:
+        body |= {"motion": "prescribed", "keyframes": list(keyframes)}
+    fluid = {"solver": "dfsph", "particle_radius": SPACING / 2} | fluid
+    return {"fps": 20, "fluid": fluid, "rigid": {"bodies": {"glass": body}}}
+
+
+def assert_it_stands(x: np.ndarray, count: int) -> None:
+    """All of the water is in the glass, and its middle at half its height, to 2 % for what sloshes yet, and to a tenth
+    of a spacing."""
+    assert len(x) == count
+    assert np.hypot(x[:, 0], x[:, 2]).max() < RADIUS
+    assert x[:, 1].min() > FLOOR
+    height = count * SPACING**3 / (np.pi * RADIUS**2)
+    assert 2 * (x[:, 1].mean() - FLOOR) == pytest.approx(height, rel=0.02, abs=0.1 * SPACING)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("wall", [0.25, 0.8, 2.0])
+@pytest.mark.parametrize("wall", [0.1, 0.25, 0.8, 2.0, 4.0])
 def test_a_glass_holds_its_water_at_its_level_and_weighs_as_much(simulate, tmp_path, wall):
     """The level to a tenth of a spacing and the share of a layer that the kernel sees at the surface, the force to 2 %,
     three standard errors of its mean. Outermost centres are half a spacing off the wall, as off a plane, to 0.2 d."""
     glass(tmp_path, wall * SPACING)
-    water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": HEIGHT}, "position": [0, FLOOR + HEIGHT / 2, 0]}
     data = {
         "fps": 20,
         "fluid": {
             "solver": "dfsph",
             "particle_radius": SPACING / 2,
             "viscosity": 1e-4,
-            "bodies": {"water": water},
+            "bodies": {"water": water(HEIGHT)},
         },
         "rigid": {"bodies": {"glass": {"shape": {"type": "mesh", "file": "glass.ply"}}}},
         "probes": {
@@ -47,6 +72,58 @@ def test_a_glass_holds_its_water_at_its_level_and_weighs_as_much(simulate, tmp_p
     assert level[time > 0.2].mean() == pytest.approx(wanted, abs=0.3 * SPACING)
     time, push = probe(out, "push", "force_y")
     assert push[time > 0.2].mean() == pytest.approx(-len(x) * RHO * SPACING**3 * G, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wall", [0.1, 1.0, 4.0])
+def test_a_glass_is_poured_full(simulate, tmp_path, wall):
+    """1.5 dl from a tap over a bottom that is dry at first. Its rim is so high that nothing splashes over it."""
+    glass(tmp_path, wall * SPACING, top=0.22)
+    tap = {
+        "shape": {"type": "disc", "radius": 0.012},
+        "position": [0.01, 0.14, 0],
+        "rotation": [{"axis": [1, 0, 0], "angle": 180}],
+        "rate": 1.5e-4,
+        "stop": 1.0,
+    }
+    out = simulate(scene({"emitters": {"tap": tap}}), 36)
+    assert_it_stands(positions(read_frame(out, 36)), round(1.5e-4 / SPACING**3))
+
+
+@pytest.mark.parametrize("wall", [1.0, *in_time(0.1, 4.0)])
+def test_a_glass_is_carried(simulate, tmp_path, wall):
+    """Lifted off and set down 20 cm further on."""
+    glass(tmp_path, wall * SPACING)
+    way = (
+        {"at": 0.1, "position": [0, 0, 0]},
+        {"at": 0.6, "position": [0.1, 0.05, 0]},
+        {"at": 1.1, "position": [0.2, 0, 0]},
+    )
+    out = simulate(scene({"bodies": {"water": water(HEIGHT)}}, way), 40)
+    assert_it_stands(positions(read_frame(out, 40)) - [0.2, 0, 0], len(read_frame(out, 0)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wall", [0.1, 1.0, 4.0])
+def test_a_glass_is_tipped(simulate, tmp_path, wall):
+    """By 45 degrees. What stands over the lip by less than a layer does not run off: one layer more may stay, and a
+    tenth."""
+    top = 0.09
+    glass(tmp_path, wall * SPACING, top)
+    turned = [{"axis": [0, 0, 1], "angle": -45}]
+    way = ({"at": 0.1, "position": [0, 0, 0]}, {"at": 1.1, "position": [0, 0, 0], "rotation": turned})
+    out = simulate(scene({"bodies": {"water": water(0.06)}}, way), 50)
+    x = positions(read_frame(out, 50))
+    along = (x[:, 0] + x[:, 1]) / np.sqrt(2)
+    across = np.hypot((x[:, 0] - x[:, 1]) / np.sqrt(2), x[:, 2])
+    inside = (across < RADIUS + SPACING) & (along > 0) & (along < top + SPACING)
+    assert across[inside].max() < RADIUS
+    assert along[inside].min() > FLOOR
+    layers = (np.count_nonzero(inside) * SPACING**3 / (np.pi * RADIUS**2) - (top - FLOOR - RADIUS)) / SPACING
+    assert 0 < layers < 1.1
+    spilt = x[~inside]
+    assert len(spilt) > 0
+    assert spilt[:, 1].max() < top / np.sqrt(2) - RADIUS / np.sqrt(2) + SPACING
 
 
 @pytest.mark.slow
