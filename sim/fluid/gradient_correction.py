@@ -19,15 +19,18 @@ what is missing counts in the sum as if it were there. At a free surface, where 
 the kernel's gradient stays: pressure is next to nothing there.
 """
 
+from functools import cache
+
+import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import relieved
-from sim.fluid.boundary.half_space import along_faces
+from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import pressure_sum
-from sim.fluid.kernel import cubic_slope, halfspace_area, halfspace_volume
+from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
@@ -43,6 +46,14 @@ FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
 
+@cache
+def lattice_sum(spacing: float, h: float, volume: float) -> float:
+    """A third of the trace of the sum over particles in a lattice of this spacing [m], each with this volume [m^3]."""
+    points = lattice(spacing, h)
+    r = np.linalg.norm(points, axis=1)
+    return -volume / 3.0 * float((cubic_slope_host(r, h) * r**2).sum())
+
+
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
     """Write L, G, D, pulls of faces, and as source the compression after `dt` [s] with the present velocities, for the
     solids where `meet` has found them."""
@@ -55,6 +66,7 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
         system.mass,
         system.spec.rest_density,
         smallest_diagonal,
+        lattice_sum(system.spec.spacing, system.h, system.mass / system.spec.rest_density),
         particles.position,
         particles.velocity,
         particles.correction,
@@ -150,6 +162,7 @@ def _compression_rates(
     mass: real,
     rest_density: real,
     smallest_diagonal: real,
+    lattice_sum: real,
     position: Vec4Array,
     velocity: Vec4Array,
     correction: Vec4Array,
@@ -195,8 +208,9 @@ def _compression_rates(
             n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
             across = q * halfspace_area(q)
             sums += 2.0 * face_weight[e] * across * n.outer_product(n)
-            sums += held[e] * halfspace_volume(q) * (ti.Matrix.identity(real, 3) - n.outer_product(n))
             room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
+        if last > begin[i]:
+            sums += lattice_sum * lacking_along(i, begin, solids_near, face, held, fit, inverse_h)
         full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
         full *= ti.math.clamp((sums.determinant() - FLAT) / (ROUND - FLAT), 0.0, 1.0)

@@ -8,7 +8,7 @@ particle i those from begin[i] on, size[i] of them, with unit normal and distanc
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, RealArray, Vec4Array, real, vec3, vec4
+from sim.arrays import IntArray, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
@@ -65,12 +65,31 @@ def along_faces(
 
 
 @ti.func
+def lacking_along(
+    i: ti.i32, begin: IntArray, size: IntArray, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real
+) -> mat3:
+    """1 - B^-1: the share that is missing of a lattice's sums beside the surfaces, which B makes good."""
+    left = ti.Matrix.identity(real, 3)
+    count = size[i]
+    for k in range(2 * count):
+        e = begin[i] + ti.min(k, 2 * count - 1 - k)
+        n, share = face[e].xyz, ti.sqrt(left_along(e, face, held, fit, inverse_h))
+        left = share * left + (1.0 - share) * n.outer_product(n) @ left
+    return ti.Matrix.identity(real, 3) - left
+
+
+@ti.func
+def left_along(e: ti.i32, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> real:
+    """The share of what a particle is pushed by along a surface that is on this side of it."""
+    return 1.0 - held[e] * fit.z * halfspace_volume(ti.max(face[e].w * inverse_h, 0.0))
+
+
+@ti.func
 def along_face(e: ti.i32, a: vec3, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> vec3:
     """One factor of B: half of what one half-space is for, along it."""
     pushed = a
-    q = ti.max(face[e].w * inverse_h, 0.0)
-    if q < 1.0:
-        factor = 1.0 / ti.sqrt(1.0 - held[e] * fit.z * halfspace_volume(q))
+    if face[e].w * inverse_h < 1.0:
+        factor = 1.0 / ti.sqrt(left_along(e, face, held, fit, inverse_h))
         pushed = factor * a + (1.0 - factor) * face[e].xyz.dot(a) * face[e].xyz
     return pushed
 
