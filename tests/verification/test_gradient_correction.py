@@ -14,6 +14,7 @@ H = 2 * SPACING
 SHEAR = np.array([[0.3, 1.0, -0.4], [0.2, -0.8, 0.5], [-0.7, 0.1, 0.9]])
 """A velocity gradient [1/s] whose trace is not nought."""
 WALL = {"plane": {"shape": {"type": "plane", "normal": [0, 1, 0]}, "position": [0, 0, 0], "motion": "static"}}
+SIDE = {"side": {"shape": {"type": "plane", "normal": [1, 0, 0]}, "position": [0, 0, 0], "motion": "static"}}
 
 
 def block(rng: np.random.Generator, disorder: float = 0.2) -> np.ndarray:
@@ -23,7 +24,7 @@ def block(rng: np.random.Generator, disorder: float = 0.2) -> np.ndarray:
     return points + disorder * SPACING * rng.uniform(-1, 1, points.shape)
 
 
-def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wall: bool):
+def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wall: bool | dict):
     """A system with DFSPH's arrays, its solver, and the velocities as particles lie."""
     from sim.coupling.fluid_rigid import boundary_solids
     from sim.fluid.boundary.boundary import Boundary
@@ -35,7 +36,7 @@ def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wa
     from sim.spec import SimulationSpec
 
     spec = Fluid(particle_radius=SPACING / 2, solver="dfsph")
-    bodies = {"rigid": {"bodies": WALL}} if wall else {}
+    bodies = {"rigid": {"bodies": wall if isinstance(wall, dict) else WALL}} if wall else {}
     obstacles = find_obstacles(SimulationSpec.model_validate(bodies), tmp_path)
     solids = boundary_solids(obstacles, SPACING, H) if wall else []
     boundary = Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H)
@@ -90,6 +91,48 @@ def test_linear_velocities_have_the_divergence_of_their_gradient(taichi, tmp_pat
     assert corrected.sum() > 200
     assert (corrected & low).any() == wall
     np.testing.assert_allclose(rate[corrected], -np.trace(gradient), atol=1e-3 * np.abs(gradient).sum())
+
+
+@pytest.mark.parametrize(("wall", "error"), [(WALL, 1e-3), (WALL | SIDE, 5e-3)], ids=["wall", "edge"])
+def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp_path, wall, error):
+    """q = x_z over a lattice: layers next to a wall are accelerated as those inside are, or water at rest would sink or
+    rise along upright walls. In an edge the product of what both walls take is nearly what both together do."""
+    from sim.arrays import vec4
+    from sim.fluid.gradient_correction import compression_rates
+    from tests.pushed import push_along
+
+    x = block(np.random.default_rng(1), 0.0)
+    system, _, _ = system_of(x, np.zeros_like(x), np.zeros(3), tmp_path, wall=wall)
+    system.meet(0.0)
+    compression_rates(system, DT, 0.0)
+    particles, near, faces = system.particles, system.neighbors, system.boundary.faces
+    place = here(system, "position")
+    place[:, 3] = place[:, 2]
+    particles.position.from_numpy(
+        np.pad(place, ((0, particles.position.shape[0] - len(place)), (0, 0))).astype(np.float32)
+    )
+
+    out = taichi.ndarray(vec4, len(x))
+    push_along(
+        particles.position,
+        particles.correction,
+        particles.skew,
+        near.size,
+        near.index,
+        faces.begin,
+        faces.size,
+        faces.face,
+        faces.held,
+        faces.fit,
+        1.0 / H,
+        out,
+    )
+    a = out.to_numpy()[:, 2]
+    layer = np.floor(place[:, :3] / SPACING).astype(int)
+    rows = (layer[:, 2] == LAYERS // 2) & (layer[:, 1] < LAYERS - 3) & (layer[:, 0] < LAYERS - 3)
+    rows &= (layer[:, 0] > 2) | ("side" in wall)
+    inside = a[(layer == LAYERS // 2).all(axis=1)].mean()
+    np.testing.assert_allclose(a[rows], inside, rtol=error)
 
 
 @pytest.mark.parametrize("disorder", [0.0, 0.3])
