@@ -45,6 +45,10 @@ gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
+BACK = 0.1
+"""Of what the density is off already, velocities bring back so much in a step (Baumgarte 1972): all of it at once would
+make pressures as uncertain as one step leaves densities."""
+
 
 @cache
 def lattice_sum(spacing: float, h: float, volume: float) -> float:
@@ -55,8 +59,8 @@ def lattice_sum(spacing: float, h: float, volume: float) -> float:
 
 
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
-    """Write L, G, D, pulls of faces, and as source the compression after `dt` [s] with the present velocities, for the
-    solids where `meet` has found them."""
+    """Write L, G, D, pulls of faces, and as source what the present velocities would compress in `dt` [s], with a share
+    of the compression there is, for the solids where `meet` has found them."""
     particles, boundary = system.particles, system.boundary
     faces = boundary.faces
     _compression_rates(
@@ -243,4 +247,4 @@ def _compression_rates(
         d_ii = whole.dot(whole) + strength * strength * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
         density = relieved(v.w, rest_density, excess[i])
-        source[i] = density - rest_density + dt * (strength * pairs + rest_density * rate)
+        source[i] = BACK * (density - rest_density) + dt * (strength * pairs + rest_density * rate)
