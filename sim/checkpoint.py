@@ -113,7 +113,8 @@ class Checkpoint:
 
             rigid = RigidState(head.dynamic_bodies, **_material(path, arrays, "rigid", RigidState()))
             bodies = (rigid.position, rigid.rotation, rigid.velocity, rigid.momentum)
-            _refuse_lengths(path, {len(rigid.names), *map(len, (*bodies, rigid.fluid_force, rigid.fluid_torque))})
+            by_fluid = (rigid.fluid_force, rigid.fluid_torque, rigid.fluid_hold)
+            _refuse_lengths(path, {len(rigid.names), *map(len, (*bodies, *by_fluid))})
         if head.sheets is not None:
             from sim.cloth.state import ClothState
 

@@ -67,7 +67,7 @@ class Floating:
         self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum) + self.film.steady
+        self._steady = self.reaction.forces(momentum) + self.film.steady + self._held
 
     def foresee(self, dt: float) -> None:
         last = self.pushed
@@ -115,6 +115,14 @@ class Floating:
         self._shift(dt, answer - self._expected)
         self._expected = np.zeros_like(answer)
 
+    def hold(self, dt: float) -> None:
+        held = self.reaction.held()
+        change = held - self._held
+        self._steady = self._steady + change
+        turning = np.einsum("nij,nj->ni", self._mobility, change[:, 3:])
+        self._shift(dt, np.concatenate((change[:, :3] * self._inverse_mass, turning), axis=1))
+        self.rigid.fluid_hold[self._bodies] = held
+
     def undo(self, dt: float) -> None:
         wrench, answer = self._last
         self._found = self._found - wrench
@@ -153,6 +161,11 @@ class Floating:
         looked for, those of the last step."""
         wrench = (self.pushed + self._steady)[self._bodies == index][0]
         return wrench[:3], wrench[3:]
+
+    @property
+    def _held(self) -> np.ndarray:
+        """Of what they hold along their surfaces in the last step: wrenches."""
+        return self.rigid.fluid_hold[self._bodies]
 
     @property
     def pushed(self) -> np.ndarray:

@@ -43,6 +43,10 @@ class Together:
         for part in self.parts:
             part.take(dt)
 
+    def hold(self, dt: float) -> None:
+        for part in self.parts:
+            part.hold(dt)
+
     def undo(self, dt: float) -> None:
         for part in self.parts:
             part.undo(dt)

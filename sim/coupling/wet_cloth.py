@@ -149,6 +149,9 @@ class WetCloth:
         self._expected.fill(0.0)
         self._pose()
 
+    def hold(self, dt: float) -> None:
+        """Samples hold nothing along them."""
+
     def undo(self, dt: float) -> None:
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self._pressed, self._found)
         self._shift(self._way, -1.0)

@@ -17,7 +17,7 @@ import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.half_space import along_faces
-from sim.fluid.gradient_correction import matrix, pair_pressures
+from sim.fluid.forces import matrix, pair_pressures
 from sim.fluid.incompressible import WORST
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.sums import span
@@ -49,12 +49,13 @@ class Solution:
 
 class ConjugateGradients:
     """Finds the pressures of a system whose source, diagonal and solids are given: by `sim.fluid.projection`, or with
-    `corrected` gradients by `sim.fluid.gradient_correction`."""
+    `corrected` gradients by `sim.fluid.gradient_correction`. worst: no particle may be left compressed by more
+    [kg/m^3], whatever the mean."""
 
-    def __init__(self, system: FluidSystem, *, corrected: bool = False):
+    def __init__(self, system: FluidSystem, *, corrected: bool = False, worst: float | None = None):
         self.system = system
         self.corrected = corrected
-        self.worst = WORST * system.spec.rest_density
+        self.worst = WORST * system.spec.rest_density if worst is None else worst
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
 
@@ -284,7 +285,7 @@ def _iterate(
         for i in range(count):
             a = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
             a -= position[i].w * solid[i].xyz
-            if solid[i].w > 0.0:
+            if solids_near[i] > 0:
                 a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
             push[i].xyz = a
     if ti.static(part != PUSH):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, Vec4Array, real, vec3
+from sim.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.kernel import cubic_host, cubic_slope, cubic_slope_host
 from sim.neighbors import padded
 
@@ -32,6 +32,41 @@ def pressure_sum(i: ti.i32, position: Vec4Array, size: IntArray, index: IntTable
         xj = position[index[i, k]]
         d = x.xyz - xj.xyz
         a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
+    return a
+
+
+@ti.func
+def matrix(diagonal: vec4, skew: vec4) -> mat3:
+    """A symmetric matrix by its elements: xx, yy, zz, and xy, xz, yz."""
+    return mat3(
+        [[diagonal.x, skew.x, skew.y], [skew.x, diagonal.y, skew.z], [skew.y, skew.z, diagonal.z]],
+    )
+
+
+@ti.func
+def pair_pressures(
+    i: ti.i32,
+    position: Vec4Array,
+    corrected: ti.template(),
+    correction: Vec4Array,
+    skew: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    inverse_h: real,
+) -> vec3:
+    """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w; where it is not
+    `corrected`, L is the unit matrix, and both arrays are not read."""
+    a = vec3(0.0)
+    if ti.static(corrected):
+        x = position[i]
+        mine = x.w * matrix(correction[i], skew[i])
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            xj = position[j]
+            d = x.xyz - xj.xyz
+            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
+    else:
+        a = pressure_sum(i, position, size, index, inverse_h)
     return a
 
 

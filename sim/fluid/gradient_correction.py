@@ -29,7 +29,7 @@ from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.forces import pressure_sum
+from sim.fluid.forces import matrix
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
@@ -45,7 +45,7 @@ gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
-BACK = 0.1
+BACK = 0.2
 """Of what the density is off already, velocities bring back so much in a step (Baumgarte 1972): all of it at once would
 make pressures as uncertain as one step leaves densities."""
 
@@ -86,41 +86,6 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
         boundary.shapes.pose,
         faces.excess,
     )
-
-
-@ti.func
-def matrix(diagonal: vec4, skew: vec4) -> mat3:
-    """L of a particle."""
-    return mat3(
-        [[diagonal.x, skew.x, skew.y], [skew.x, diagonal.y, skew.z], [skew.y, skew.z, diagonal.z]],
-    )
-
-
-@ti.func
-def pair_pressures(
-    i: ti.i32,
-    position: Vec4Array,
-    corrected: ti.template(),
-    correction: Vec4Array,
-    skew: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    inverse_h: real,
-) -> vec3:
-    """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w; where it is not
-    `corrected`, L is the unit matrix, and both arrays are not read."""
-    a = vec3(0.0)
-    if ti.static(corrected):
-        x = position[i]
-        mine = x.w * matrix(correction[i], skew[i])
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            xj = position[j]
-            d = x.xyz - xj.xyz
-            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
-    else:
-        a = pressure_sum(i, position, size, index, inverse_h)
-    return a
 
 
 @ti.func

@@ -25,6 +25,8 @@ class Incompressible:
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""
+    HOLDS_ALONG_ALL: ClassVar[bool] = False
+    """Whether bodies that obey forces hold fluid along their surfaces as others do, and feel it (`Bodies.hold`)."""
     FINDS_FRICTION: ClassVar[bool] = False
     """Whether `examine` leaves the viscous forces between particles in push."""
 

@@ -128,7 +128,8 @@ class FluidPart:
         h = fluid.support_radius
         solver = load_solver(fluid.solver)
         reach = h * (1 + solver.SKIN)
-        boundary = Boundary(Shapes(surroundings.solids, origin, fluid.spacing, h), fluid.spacing, h, reach)
+        shapes = Shapes(surroundings.solids, origin, fluid.spacing, h, all_hold=solver.HOLDS_ALONG_ALL)
+        boundary = Boundary(shapes, fluid.spacing, h, reach)
         if surroundings.sheets:
             boundary.attach(surroundings.sheets(reach))
         self.origin = origin

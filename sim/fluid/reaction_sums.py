@@ -6,8 +6,8 @@ from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, re
 from sim.fluid.adhesion import face_adhesion
 from sim.fluid.boundary.half_space import along_face, face_damping
 from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.forces import pair_pressures
 from sim.fluid.friction import face_friction
-from sim.fluid.gradient_correction import pair_pressures
 from sim.fluid.sums import span
 
 PARTS = 64

@@ -95,6 +95,10 @@ class Bodies(Protocol):
     def take(self, dt: float) -> None:
         """Let the forces noted last act in the step, and move samples to where they take them."""
 
+    def hold(self, dt: float) -> None:
+        """Let what is held along surfaces by the pressures in position.w act in the step, in place of what the last
+        step held."""
+
     def undo(self, dt: float) -> None:
         """Take back what was taken last."""
 

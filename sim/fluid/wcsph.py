@@ -27,6 +27,7 @@ class Wcsph:
     ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     STATISTICS: ClassVar[tuple[str, ...]] = ()
+    HOLDS_ALONG_ALL: ClassVar[bool] = False
     SKIN: ClassVar[float] = 0.1
     """Sound forbids steps in which particles move far, so that a list can serve for several of them."""
 

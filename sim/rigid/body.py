@@ -28,6 +28,8 @@ class RigidState:
     """That the next step begins with [N]."""
     fluid_torque: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """About the centre of mass, in world axes [N m]."""
+    fluid_hold: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))
+    """Both, of fluid that is held along surfaces."""
     contact_pair: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     """Both bodies of the contacts of the last step, in the order of these pairs."""
     contact_place: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))

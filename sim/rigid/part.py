@@ -49,6 +49,10 @@ MOST_ROUNDS = 100
 """Of blows that pass from pair to pair."""
 
 
+KEPT = ("position", "rotation", "velocity", "momentum", "fluid_force", "fluid_torque", "fluid_hold")
+"""Of a state, for each body that it has, too."""
+
+
 class RigidPart:
     """All bodies and walls of a world: those that obey forces, and those that they meet.
 
@@ -120,12 +124,22 @@ class RigidPart:
         )
         self.fluid_force, self.fluid_torque = np.zeros((2, self.count, 3))
         """Of the fluid on bodies, about their centres of mass [N] and [N m]; whoever couples them keeps them."""
+        self.fluid_hold = np.zeros((self.count, 6))
+        """Both, of fluid that bodies hold along their surfaces."""
         self.led = np.zeros(self.count, np.int32)
         """1 where a body is to go by its velocity at the end of a step; likewise."""
         row = {name: index for index, name in enumerate(state.names)}
         for k in np.flatnonzero(self.free):
             if self.bodies[k].name in row:
-                for name in ("position", "rotation", "velocity", "momentum", "fluid_force", "fluid_torque"):
+                for name in (
+                    "position",
+                    "rotation",
+                    "velocity",
+                    "momentum",
+                    "fluid_force",
+                    "fluid_torque",
+                    "fluid_hold",
+                ):
                     getattr(self, name)[k] = getattr(state, name)[row[self.bodies[k].name]]
         turn = _matrices(self.rotation)
         own = np.einsum("nji,nj->ni", turn, self.momentum)
@@ -449,6 +463,7 @@ class RigidPart:
             self.momentum[free],
             self.fluid_force[free],
             self.fluid_torque[free],
+            self.fluid_hold[free],
             *self._known,
         )
 

@@ -183,6 +183,7 @@ def place(
     nodes: Vec4Array,
     bend: RealArray,
     firm: IntArray,
+    holds: IntArray,
     slim: IntArray,
     has_pull: ti.i32,
     begin: IntArray,
@@ -243,7 +244,7 @@ def place(
                         like = ti.max(face[e].xyz.dot(face[other].xyz), 0.0)
                         counts *= (1.0 - like * like) ** 2
                 weight[e] = counts
-                held[e] = counts * firm[solid[e]]
+                held[e] = counts * holds[solid[e]] * ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
                 share_of = counts * own_share(face[e].w, fit, inverse_h)
                 left = left_of(share_of, fit)
                 total += share_of - (1.0 - left)

@@ -55,10 +55,12 @@ SLIM = 2.0
 class Shapes:
     """Tables of all solids, relative to `origin` [m]; those with a pivot have a row in `move`, in their order.
 
-    spacing: of the fluid [m].
+    spacing: of the fluid [m]. all_hold: whether those that obey forces hold fluid along their surfaces, too.
     """
 
-    def __init__(self, solids: Sequence[BoundarySolid], origin: np.ndarray, spacing: float, h: float):
+    def __init__(
+        self, solids: Sequence[BoundarySolid], origin: np.ndarray, spacing: float, h: float, *, all_hold: bool = False
+    ):
         self.solids = list(solids)
         self.count = len(self.solids)
         self.kinds = sum(1 << kind for kind in {solid.shape.kind for solid in self.solids})
@@ -68,7 +70,9 @@ class Shapes:
         self.thin = any(solid.thin for solid in self.solids)
         self.kind = integer_array(np.array([solid.shape.kind for solid in self.solids] or [0]))
         self.firm = integer_array(np.array([not solid.free for solid in self.solids] or [1]))
-        """Whether it holds what is along it, which is not done to it: 1 where it obeys no forces."""
+        """1 where it obeys no forces."""
+        self.holds = integer_array(np.array([all_hold or not solid.free for solid in self.solids] or [1]))
+        """Whether it holds what is along it."""
         self.slim = integer_array(np.array([solid.thickness < SLIM * spacing for solid in self.solids] or [0]))
         """1 where it is too thin to weigh much against the pressure around it."""
         signs = np.array([-1.0 if solid.hollow else 1.0 for solid in self.solids] or [1.0])
