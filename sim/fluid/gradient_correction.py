@@ -14,8 +14,8 @@ forces there, which was tried, and slows bodies in water.
 
 Along a surface a particle has fewer neighbours than elsewhere. Where L_i makes that good, differences of velocity are
 right, but differences of pressure are not: neighbours further off have another L_j, and water at rest would be pushed
-down next to walls and up a layer further in. So along what obeys no forces it is left to `half_space.along_faces`, and
-what is missing counts in the sum as if it were there. At a free surface, where more than half of them can be missing,
+down next to walls and up a layer further in. So along surfaces it is left to `half_space.along_faces`, and what is
+missing counts in the sum as if it were there. At a free surface, where more than half of them can be missing,
 the kernel's gradient stays: pressure is next to nothing there.
 """
 

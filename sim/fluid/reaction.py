@@ -124,8 +124,8 @@ class Reaction:
         return self._wrench.to_numpy()
 
     def held(self) -> np.ndarray:
-        """Wrenches of what solids that obey no forces hold along their surfaces (`along_faces`), by the pressures in
-        position.w, shape [bodies, 6]."""
+        """Wrenches of what these hold along their surfaces (`along_faces`), by the pressures in position.w, shape
+        [bodies, 6]."""
         system = self.system
         particles, faces = system.particles, system.boundary.faces
         corrected = hasattr(particles, "correction")
