@@ -77,8 +77,7 @@ class Floating:
         self._push(last)
         self._weigh(self._here)
         self._aim()
-        turning = np.einsum("nij,nj->ni", self._mobility, last[:, 3:])
-        self._expected = np.concatenate((last[:, :3] * self._inverse_mass, turning), axis=1)
+        self._expected = self._answer_to(last)
         """Answers that bodies have been foreseen with."""
         self._found = np.zeros_like(last)
         self._ahead = True
@@ -119,8 +118,7 @@ class Floating:
         held = self.reaction.held()
         change = held - self._held
         self._steady = self._steady + change
-        turning = np.einsum("nij,nj->ni", self._mobility, change[:, 3:])
-        self._shift(dt, np.concatenate((change[:, :3] * self._inverse_mass, turning), axis=1))
+        self._shift(dt, self._answer_to(change))
         self.rigid.fluid_hold[self._bodies] = held
 
     def undo(self, dt: float) -> None:
@@ -211,6 +209,10 @@ class Floating:
         self._mobility = self.rigid.mobility(here[:, :9].reshape(-1, 3, 3), self._bodies)
         self._inverse_mass = 1.0 / self.rigid.mass[self._bodies, None]
         self.reaction.weigh(np.concatenate((here[:, 9:12], self._inverse_mass, self._mobility.reshape(-1, 9)), axis=1))
+
+    def _answer_to(self, wrench: np.ndarray) -> np.ndarray:
+        turning = np.einsum("nij,nj->ni", self._mobility, wrench[:, 3:])
+        return np.concatenate((wrench[:, :3] * self._inverse_mass, turning), axis=1)
 
     def _shift(self, dt: float, answer: np.ndarray) -> None:
         """Take bodies further by accelerations that act from the start of the step."""

@@ -50,7 +50,7 @@ MOST_ROUNDS = 100
 
 
 KEPT = ("position", "rotation", "velocity", "momentum", "fluid_force", "fluid_torque", "fluid_hold")
-"""Of a state, for each body that it has, too."""
+"""What a state has of each free body."""
 
 
 class RigidPart:
@@ -131,15 +131,7 @@ class RigidPart:
         row = {name: index for index, name in enumerate(state.names)}
         for k in np.flatnonzero(self.free):
             if self.bodies[k].name in row:
-                for name in (
-                    "position",
-                    "rotation",
-                    "velocity",
-                    "momentum",
-                    "fluid_force",
-                    "fluid_torque",
-                    "fluid_hold",
-                ):
+                for name in KEPT:
                     getattr(self, name)[k] = getattr(state, name)[row[self.bodies[k].name]]
         turn = _matrices(self.rotation)
         own = np.einsum("nji,nj->ni", turn, self.momentum)
