@@ -212,7 +212,8 @@ def place(
             for e in range(first, last):
                 s = solid[e]
                 p = to_own(s, x, pose)
-                one = look(s, p, near[e], kind, half, shift, kinds, frame, lattice, table, nodes, bend)
+                hollow = (e > first and solid[e - 1] == s) or (e + 1 < last and solid[e + 1] == s)
+                one = look(s, p, near[e], hollow, kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
             if has_slack == 1:
                 loose = slack[i]

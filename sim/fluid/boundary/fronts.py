@@ -1,0 +1,125 @@
+"""The faces of a mesh that a particle is before: several in a hollow edge or corner."""
+
+import taichi as ti
+
+from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.double import vec3 as vec3d
+from sim.fluid.boundary.band import FAR, SEEN, cell_of, corner_of, is_of, node_at
+from sim.geometry.narrow_band import OPPOSITE, TURNED
+
+NEARER = 0.1
+"""Cells by which a face may seem nearer than what nodes know to be the least distance."""
+ON = 1e-3
+"""Cells behind the surface at which a node is on it yet."""
+
+
+@ti.func
+def fronts(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+):
+    """Normals and offsets of up to three half-spaces of a band that p is before, or FAR: of a thin wall that on this
+    side of it, and where faces meet in a hollow edge or corner each of them."""
+    first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
+    cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
+    corner, inside, within = cell_of(s, p, frame, lattice)
+    if within:
+        ahead, outside = ti.cast(-FAR, real), False
+        # Nowhere does a distance change by more than the way.
+        least_known = ti.cast(-FAR, real)
+        for k in range(8):
+            place = node_at(s, corner + corner_of(k), lattice, table)
+            if place >= 0:
+                node = side * nodes[place]
+                way = inside - ti.cast(corner_of(k), real)
+                there = node.w + cell * node.xyz.dot(way)
+                least_known = ti.max(least_known, node.w - cell * way.norm())
+                beyond = node.w > -ON * cell
+                if (there > ahead and outside == beyond) or (beyond and not outside):
+                    ahead, outside = there, outside or beyond
+                    first = vec4(node.xyz, node.xyz.dot(x) - there)
+        if ahead < 0.0 and first.w < FAR:
+            # In a corner between thin walls no node of the cell needs to be on this side of them.
+            least = ti.cast(FAR, real)
+            for k in range(64):
+                offset = ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+                place = node_at(s, corner + offset, lattice, table)
+                if place >= 0:
+                    node = side * nodes[place]
+                    there = node.w + cell * node.xyz.dot(inside - ti.cast(offset, real))
+                    if node.w > 0.0 and there >= 0.0 and there < least:
+                        front = vec4(node.xyz, node.xyz.dot(x) - there)
+                        if is_face(s, p, front, vec3(0.0), side, frame, lattice, table, nodes):
+                            first, ahead, least = front, there, there
+        if first.w < FAR:
+            beside = first.xyz
+            for _ in range(2):
+                found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR * FAR, real)
+                away = ti.floor(inside + beside, ti.i32)
+                for k in range(16):
+                    offset = corner_of(k) if k < 8 else away + corner_of(k - 8)
+                    place = node_at(s, corner + offset, lattice, table)
+                    if place >= 0:
+                        node = side * nodes[place]
+                        way = inside - ti.cast(offset, real)
+                        there = node.w + cell * node.xyz.dot(way)
+                        like = node.xyz.dot(first.xyz)
+                        plane = ahead - cell * first.xyz.dot(way)
+                        known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
+                        rank = ti.select(there < 0.0, -FAR * there, there)
+                        if like > OPPOSITE and known and rank < least and is_hollow(like, node.w, plane, cell):
+                            other = node.xyz.dot(second.xyz)
+                            if second.w >= FAR or (other > OPPOSITE and other < TURNED):
+                                front = vec4(node.xyz, node.xyz.dot(x) - there)
+                                if is_face(s, p, front, beside, side, frame, lattice, table, nodes):
+                                    found, least = front, rank
+                if second.w >= FAR:
+                    second = found
+                else:
+                    third = found
+                if found.w < FAR:
+                    beside += found.xyz
+    return first, second, third
+
+
+@ti.func
+def is_hollow(like: real, distance: real, plane: real, cell: real):
+    """Whether a node sees another face, by the cosine `like` of the angle between the two, across a hollow edge: its
+    distance [m] is less than that to the `plane` of the first, and not more, as across an edge that bulges."""
+    return like < TURNED and distance < plane - SEEN * cell
+
+
+@ti.func
+def is_face(
+    s: ti.i32,
+    p: vec3d,
+    front: vec4,
+    beside: vec3,
+    side: real,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+):
+    """Whether the surface is there where p is nearest to this half-space, and not only its plane; or a cell further
+    from the faces at whose edge that is: nodes in the edge see those."""
+    cell = ti.cast(frame[s, 3], real)
+    distance = front.xyz.dot(ti.cast(p, real)) - front.w
+    found = False
+    for away in range(2):
+        shift = (0.5 * cell - distance) * front.xyz + away * cell * beside
+        corner, inside, within = cell_of(s, p + ti.cast(shift, ti.f64), frame, lattice)
+        if within and not found:
+            above = 0.5 * cell + away * cell * front.xyz.dot(beside)
+            for k in range(8):
+                place = node_at(s, corner + corner_of(k), lattice, table)
+                if place >= 0:
+                    node = side * nodes[place]
+                    plane = above - cell * front.xyz.dot(inside - ti.cast(corner_of(k), real))
+                    found = found or is_of(node, front.xyz, plane, cell)
+    return found
