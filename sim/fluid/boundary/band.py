@@ -10,6 +10,8 @@ from sim.geometry.narrow_band import BLOCK, OPPOSITE, TURNED
 FAR = 1e10
 SEEN = 0.05
 """Cells by which two faces have to differ in distance at a node for their edge to be seen."""
+ON = 1e-3
+"""Cells behind the surface at which a node is on it yet: further in, it sees an edge where two faces are."""
 ALIKE, ALIGNED = 0.25, 0.9
 """Cells by which what a node sees may differ from a plane that is the same face, and the least cosine of the angle
 between their normals: faces may be curved."""
@@ -57,7 +59,8 @@ def on_band(
 ) -> vec4:
     """From the nodes about p: each tells the half-space that it sees, and those that see the side `near` are weighted
     as in trilinear interpolation. Half of the way that is left from a node to p is what interpolation itself makes of a
-    curved surface; so the two errors of second order cancel. In a hollow edge only nodes that see the same face count.
+    curved surface; so the two errors of second order cancel. In a hollow edge only nodes before it that see the same
+    face count.
     """
     cell = ti.cast(frame[s, 3], real)
     found = vec4(0.0, 1.0, 0.0, FAR)
@@ -84,7 +87,7 @@ def on_band(
                     bent += share * vec4(node.xyz, node.w + 0.5 * rise)
                     curvature += share * side * bend[place]
                     seen += share
-                    if is_of(node, near.xyz, plane, cell):
+                    if node.w > -ON * cell and is_of(node, near.xyz, plane, cell):
                         of_face += share * ahead
                         own += share
         if known > 0.99 and seen > 0.0 and (own > 0.0 or not hollow):

@@ -4,13 +4,11 @@ import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.double import vec3 as vec3d
-from sim.fluid.boundary.band import FAR, SEEN, cell_of, corner_of, is_of, node_at
+from sim.fluid.boundary.band import FAR, ON, SEEN, cell_of, corner_of, is_of, node_at
 from sim.geometry.narrow_band import OPPOSITE, TURNED
 
 NEARER = 0.1
 """Cells by which a face may seem nearer than what nodes know to be the least distance."""
-ON = 1e-3
-"""Cells behind the surface at which a node is on it yet."""
 
 
 @ti.func
