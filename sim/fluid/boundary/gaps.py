@@ -15,7 +15,7 @@ from sim.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.look import surface_velocity
 from sim.geometry.narrow_band import OPPOSITE
 
-NARROW, WIDE = 1.6, 2.4
+NARROW, WIDE = 1.2, 2.0
 """Spacings between two solids up to which no layer of particles acts on them, and from which all do."""
 SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
 """The same of slim bodies."""
