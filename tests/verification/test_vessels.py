@@ -127,15 +127,15 @@ def test_a_glass_is_tipped(simulate, tmp_path, wall):
 
 @pytest.mark.slow
 def test_heavy_bodies_rest_on_the_ground_and_a_light_one_leaves_it(simulate):
-    """A box and a ball of 1.2 rho0 stay where they lie under 16 layers, to a tenth of a spacing in the mean; a block of
-    0.8 rho0 is up where Archimedes has it."""
+    """A box and a ball of 1.2 rho0 stay where they lie under 16 layers, to a tenth of a spacing in the mean and to a
+    spacing along the ground, where a ball is held by nothing; a block of 0.8 rho0 is up where Archimedes has it."""
     spacing = 0.015
     tank, depth = (0.6, 0.6, 0.45), 0.24
     water = {"shape": {"type": "box", "size": [tank[0], depth, tank[2]]}, "position": [0, depth / 2, 0]}
     heavy = {"motion": "dynamic", "density": 1200}
     bodies = {
         "box": {"shape": {"type": "box", "size": [0.1, 0.06, 0.1]}, "position": [-0.18, 0.03, 0]} | heavy,
-        "ball": {"shape": {"type": "sphere", "radius": 0.05}, "position": [0, 0.05, 0]} | heavy,
+        "ball": {"shape": {"type": "sphere", "radius": 0.05}, "position": [0.02, 0.05, 0.013]} | heavy,
         "light": {"shape": {"type": "box", "size": [0.12, 0.09, 0.12]}, "position": [0.18, 0.045, 0]}
         | {"motion": "dynamic", "density": 800},
     }
@@ -150,6 +150,10 @@ def test_heavy_bodies_rest_on_the_ground_and_a_light_one_leaves_it(simulate):
 
     def height(name):
         return table["y"][table["body"] == name]
+
+    for name in ("box", "ball"):
+        x, z = (table[axis][table["body"] == name] for axis in ("x", "z"))
+        assert np.hypot(x - x[0], z - z[0]).max() < spacing
 
     assert height("box")[10:].mean() == pytest.approx(0.03, abs=0.1 * spacing)
     assert height("ball")[10:].mean() == pytest.approx(0.05, abs=0.1 * spacing)

@@ -57,6 +57,7 @@ def bears(out, since, mass_per_area):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_a_hammock_holds_water(simulate):
     """10 s: no particle is ever under the cloth, and its pins bear cloth and water."""
     out = simulate(hammock("dfsph", 1.0, 0.6, fps=10), 100)
