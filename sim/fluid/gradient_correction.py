@@ -45,9 +45,10 @@ gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
-BACK = 0.2
-"""Of what the density is off already, velocities bring back so much in a step (Baumgarte 1972): all of it at once would
-make pressures as uncertain as one step leaves densities."""
+BACK, MOST_BACK = 0.2, 0.005
+"""Of what the density is off already, velocities bring back so much in a step (Baumgarte 1972), all of it at once would
+make pressures as uncertain as one step leaves densities; and of no more than this share of the rest density: drops that
+are pressed onto an edge would be shot off, and are moved apart."""
 
 
 @cache
@@ -212,4 +213,5 @@ def _compression_rates(
         d_ii = whole.dot(whole) + strength * strength * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
         density = relieved(v.w, rest_density, excess[i])
-        source[i] = BACK * (density - rest_density) + dt * (strength * pairs + rest_density * rate)
+        off = ti.math.clamp(density / rest_density - 1.0, -MOST_BACK, MOST_BACK)
+        source[i] = rest_density * (BACK * off + dt * rate) + dt * strength * pairs

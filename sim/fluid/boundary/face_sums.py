@@ -234,7 +234,7 @@ def place(
                         off = ti.max(off, lacking(face[e], face[other], INCLINED, spacing))
                 weight[e] = off
                 if has_pull == 1:
-                    pull[e].w = open_gap
+                    pull[e].w = ti.select(firm[solid[e]] == 1, 1.0, open_gap)
             for e in range(first, last):
                 face[e].w += weight[e]
             for e in range(first, last):
@@ -245,7 +245,7 @@ def place(
                         like = ti.max(face[e].xyz.dot(face[other].xyz), 0.0)
                         counts *= (1.0 - like * like) ** 2
                 weight[e] = counts
-                held[e] = counts * holds[solid[e]] * ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
+                held[e] = counts * holds[solid[e]] * pull[e].w
                 share_of = counts * own_share(face[e].w, fit, inverse_h)
                 left = left_of(share_of, fit)
                 total += share_of - (1.0 - left)
@@ -256,8 +256,7 @@ def place(
                 counts = 1.0 - left * left / fit.y * (1.0 - void / left)
                 one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
-                    acts = ti.select(firm[solid[e]] == 1, 1.0, pull[e].w)
-                    pull[e] = vec4(acts * along_faces(i, one, begin, size, face, held, fit, inverse_h), acts)
+                    pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
                 gradient += one
         if since >= 0.0:
             slack[i] = loose
