@@ -198,12 +198,11 @@ def _light(ratio: float) -> bool:
 
 def limits() -> dict[str, Limit]:
     courant = "Courant, Friedrichs and Lewy 1928: half the support in a step"
-    unseen = "the whole support in a step: particles pass each other unseen"
     return {
         "wcsph": Limit("CFL number, WCSPH", "step.cfl", 0.4, _basin("wcsph"), (0.2, 6.4), 1.0, courant),
-        "iisph": Limit("CFL number, IISPH", "step.cfl", CFL_OF_IISPH, _thrown("iisph"), (0.2, 6.4), 2.0, unseen),
-        "pcisph": Limit("CFL number, PCISPH", "step.cfl", 0.4, _thrown("pcisph"), (0.2, 6.4), 2.0, unseen),
-        "dfsph": Limit("CFL number, DFSPH", "step.cfl", 0.4, _thrown("dfsph"), (0.2, 6.4), 2.0, unseen),
+        "iisph": Limit("CFL number, IISPH", "step.cfl", CFL_OF_IISPH, _thrown("iisph"), (0.2, 6.4), 1.0, courant),
+        "pcisph": Limit("CFL number, PCISPH", "step.cfl", 0.4, _thrown("pcisph"), (0.2, 6.4), 1.0, courant),
+        "dfsph": Limit("CFL number, DFSPH", "step.cfl", 0.4, _thrown("dfsph"), (0.2, 6.4), 1.0, courant),
         "symplectic": Limit(
             "step of symplectic Euler over Gershgorin's bound",
             "cloth.symplectic_euler.share",

@@ -16,7 +16,7 @@ from tests.solvers import run
 D, RHO = 0.02, 1000.0
 INNER, HIGH, LEVEL = 0.12, 0.14, 0.3
 TANK = [0.7, 0.9, 0.6]
-SET, START, STOP, END = 0.4, 1.6, 4.2, 6.2
+SET, START, STOP, END = 0.4, 1.6, 3.2, 5.2
 
 
 def tub(folder, wall: float) -> tuple[float, float]:
@@ -44,9 +44,9 @@ def filled(folder, wall: float, density: float) -> tuple[dict, float, float]:
     water = {"shape": {"type": "box", "size": [TANK[0], LEVEL, TANK[2]]}, "position": [0, LEVEL / 2, 0]}
     tap = {
         "shape": {"type": "disc", "radius": 0.04},
-        "position": [0, 0.5, 0],
+        "position": [0, 0.75, 0],
         "rotation": [{"axis": [1, 0, 0], "angle": 180}],
-        "rate": "3 l/s",
+        "rate": "5 l/s",
         "start": START,
         "stop": STOP,
     }

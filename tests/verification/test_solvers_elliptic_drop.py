@@ -79,12 +79,24 @@ def test_the_drop_becomes_the_ellipse(tmp_path, solver):
         assert axes == pytest.approx(AXES[time], rel=0.03), f"A0 t = {time}"
 
 
+UNSTEADY = {
+    "iisph": "0.2 % off with 8 on the radius, 1 % with 12",
+    "dfsph": "0.62 % off with 8 on the radius, 0.69 % with 12",
+}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", ITERATIVE)
+@pytest.mark.parametrize(
+    "solver",
+    [pytest.param(s, marks=pytest.mark.xfail(s in UNSTEADY, strict=True, reason=UNSTEADY.get(s))) for s in ITERATIVE],
+)
 def test_the_long_axis_converges(tmp_path, solver):
-    """It ends within half a spacing, from 8 over 12 to 18 particles on the radius: of first order. Errors of
-    that kind have either sign, so that they need not fall from each to the next."""
+    """At least of first order in the spacing, from 8 over 12 to 18 particles on the radius; the short axis does not."""
+    errors = []
     for across in (8, 12, 18):
         (tmp_path / str(across)).mkdir()
         long = draw(tmp_path / str(across), solver, across)[1.0][1]
-        assert long == pytest.approx(exact(1.0 / RATE)[1], abs=0.5 * RADIUS / across), f"{across} on the radius"
+        errors.append(abs(long / exact(1.0 / RATE)[1] - 1))
+    print(f"{solver}: {errors}")
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < errors[0] * 8 / 18
