@@ -88,10 +88,7 @@ UNSTEADY = {
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "solver",
-    [
-        pytest.param(s, marks=pytest.mark.xfail(s in UNSTEADY, strict=True, reason=UNSTEADY.get(s, "")))
-        for s in ITERATIVE
-    ],
+    [pytest.param(s, marks=pytest.mark.xfail(strict=True, reason=UNSTEADY[s])) for s in ITERATIVE],
 )
 def test_the_long_axis_converges(tmp_path, solver):
     """At least of first order in the spacing, from 8 over 12 to 18 particles on the radius; the short axis does not."""
