@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import pytest
 
@@ -20,6 +21,7 @@ _shared: list[Callable[[], None]] = []
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--rounding", action="store_true", help=ROUNDING)
+    parser.addoption("--arch", choices=("cpu", "cuda"), default="cpu", help="what simulates within tests (cpu)")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -65,6 +67,20 @@ def rounding(request: pytest.FixtureRequest) -> Iterator[str | None]:
         yield variant
     while _shared:
         _shared.pop()()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def arch(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Simulates on what `--arch` names where tests ask for the CPU; commands that they start choose for themselves."""
+    chosen = request.config.getoption("--arch")
+    if chosen == "cpu":
+        yield
+        return
+    from sim import runtime
+
+    start = runtime.start
+    with mock.patch.object(runtime, "start", lambda **given: start(**given | {"arch": chosen})):
+        yield
 
 
 @pytest.fixture
