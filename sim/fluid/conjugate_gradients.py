@@ -52,10 +52,10 @@ class ConjugateGradients:
     `corrected` gradients by `sim.fluid.gradient_correction`. worst: no particle may be left compressed by more
     [kg/m^3], whatever the mean."""
 
-    def __init__(self, system: FluidSystem, *, corrected: bool = False, worst: float | None = None):
+    def __init__(self, system: FluidSystem, *, corrected: bool = False):
         self.system = system
         self.corrected = corrected
-        self.worst = WORST * system.spec.rest_density if worst is None else worst
+        self.worst = WORST * system.spec.rest_density
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
 

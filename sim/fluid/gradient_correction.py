@@ -31,6 +31,7 @@ from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import matrix
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
+from sim.fluid.limits import fall_limit
 from sim.fluid.solids import approach, sheet_share
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
@@ -45,10 +46,10 @@ gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
-BACK, MOST_BACK = 0.2, 0.02
-"""Of what the density is off already, velocities bring back so much in a step (Baumgarte 1972): all of it at once would
-make pressures as uncertain as one step leaves densities. Of what is too dense they bring back no more than this share
-of the rest density: drops that are pressed onto an edge are denser by a sixth, and would be shot off."""
+BACK = 0.2
+"""Of what the density is off already, velocities bring back so much in the longest step that falling allows (Baumgarte
+1972), and less in shorter ones. All of it at once would make pressures as uncertain as one step leaves densities; and
+as much in a short step would shoot off drops that are pressed onto an edge, the faster, the shorter it is."""
 
 
 @cache
@@ -67,6 +68,7 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
     _compression_rates(
         system.count,
         dt,
+        _share_back(system, dt),
         system.h,
         system.mass,
         system.spec.rest_density,
@@ -87,6 +89,12 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
         boundary.shapes.pose,
         faces.excess,
     )
+
+
+def _share_back(system: FluidSystem, dt: float) -> float:
+    """Of what the density is off, in a step of dt [s]; where nothing falls, nothing presses drops onto edges."""
+    longest = fall_limit(system.h / 2, float(np.linalg.norm(system.gravity)))
+    return BACK * min(1.0, dt / longest) if longest < np.inf else BACK
 
 
 @ti.func
@@ -128,6 +136,7 @@ def _correct_pulls(
 def _compression_rates(
     count: ti.i32,
     dt: real,
+    back: real,
     h: real,
     mass: real,
     rest_density: real,
@@ -213,5 +222,4 @@ def _compression_rates(
         d_ii = whole.dot(whole) + strength * strength * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
         density = relieved(v.w, rest_density, excess[i])
-        off = ti.min(density / rest_density - 1.0, MOST_BACK)
-        source[i] = BACK * off * rest_density + dt * (strength * pairs + rest_density * rate)
+        source[i] = back * (density - rest_density) + dt * (strength * pairs + rest_density * rate)

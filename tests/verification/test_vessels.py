@@ -108,8 +108,8 @@ def test_a_glass_is_carried(simulate, tmp_path, wall):
 @pytest.mark.parametrize("wall", [0.1, 1.0, 4.0])
 def test_a_glass_is_tipped(simulate, tmp_path, wall):
     """By 45 degrees. What stands over the lip by less than a layer does not run off: one layer more may stay, and a
-    tenth. Once the glass is still, nothing hops two spacings above its lip: drops that are pressed onto the rim are not
-    shot off."""
+    tenth. Nothing is in its wall or below its bottom. Once the glass is still, nothing hops two spacings above its lip:
+    drops that are pressed onto the rim are not shot off."""
     top = 0.09
     glass(tmp_path, wall * SPACING, top)
     turned = [{"axis": [0, 0, 1], "angle": -45}]
@@ -121,6 +121,7 @@ def test_a_glass_is_tipped(simulate, tmp_path, wall):
     inside = (across < RADIUS) & (along > FLOOR) & (along < top + SPACING)
     layers = (np.count_nonzero(inside) * SPACING**3 / (np.pi * RADIUS**2) - (top - FLOOR - RADIUS)) / SPACING
     assert 0 < layers < 1.1
+    assert not np.any(~inside & (across < RADIUS + wall * SPACING) & (along < top))
     lip, spilt = (top - RADIUS) / np.sqrt(2), x[~inside]
     assert len(spilt) > 0
     assert spilt[:, 1].max() < lip + SPACING

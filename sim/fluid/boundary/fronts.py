@@ -23,66 +23,122 @@ def fronts(
 ):
     """Normals and offsets of up to three half-spaces of a band that p is before, or FAR: of a thin wall that on this
     side of it, and where faces meet in a hollow edge or corner each of them."""
-    first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
+    second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
+    first, least, outside = nearest(s, p, side, frame, lattice, table, nodes)
+    ahead = first.xyz.dot(ti.cast(p, real)) - first.w
+    if first.w < FAR and ahead < 0.0:
+        further = nearest_around(s, p, side, frame, lattice, table, nodes)
+        if further.w < FAR:
+            first = further
+    if first.w < FAR:
+        beside = first.xyz
+        second = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
+        if second.w < FAR:
+            beside += second.xyz
+            third = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
+    return first, second, third
+
+
+@ti.func
+def nearest(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+):
+    """The half-space that the nodes of the cell around p see furthest ahead of it, those on this side of the surface
+    first; the least that the distance can be [m], by these nodes; and whether one of them is on this side."""
     cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
+    found, least, outside = vec4(0.0, 1.0, 0.0, FAR), ti.cast(-FAR, real), False
     corner, inside, within = cell_of(s, p, frame, lattice)
     if within:
-        ahead, outside = ti.cast(-FAR, real), False
-        # Nowhere does a distance change by more than the way.
-        least_known = ti.cast(-FAR, real)
+        ahead = ti.cast(-FAR, real)
         for k in range(8):
             place = node_at(s, corner + corner_of(k), lattice, table)
             if place >= 0:
                 node = side * nodes[place]
                 way = inside - ti.cast(corner_of(k), real)
                 there = node.w + cell * node.xyz.dot(way)
-                least_known = ti.max(least_known, node.w - cell * way.norm())
+                # Nowhere does a distance change by more than the way.
+                least = ti.max(least, node.w - cell * way.norm())
                 beyond = node.w > -ON * cell
                 if (there > ahead and outside == beyond) or (beyond and not outside):
                     ahead, outside = there, outside or beyond
-                    first = vec4(node.xyz, node.xyz.dot(x) - there)
-        if ahead < 0.0 and first.w < FAR:
-            # In a corner between thin walls no node of the cell needs to be on this side of them.
-            least = ti.cast(FAR, real)
-            for k in range(64):
-                offset = ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
-                place = node_at(s, corner + offset, lattice, table)
-                if place >= 0:
-                    node = side * nodes[place]
-                    there = node.w + cell * node.xyz.dot(inside - ti.cast(offset, real))
-                    if node.w > 0.0 and there >= 0.0 and there < least:
-                        front = vec4(node.xyz, node.xyz.dot(x) - there)
-                        if is_face(s, p, front, vec3(0.0), side, frame, lattice, table, nodes):
-                            first, ahead, least = front, there, there
-        if first.w < FAR:
-            beside = first.xyz
-            for _ in range(2):
-                found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR * FAR, real)
-                away = ti.floor(inside + beside, ti.i32)
-                for k in range(16):
-                    offset = corner_of(k) if k < 8 else away + corner_of(k - 8)
-                    place = node_at(s, corner + offset, lattice, table)
-                    if place >= 0:
-                        node = side * nodes[place]
-                        way = inside - ti.cast(offset, real)
-                        there = node.w + cell * node.xyz.dot(way)
-                        like = node.xyz.dot(first.xyz)
-                        plane = ahead - cell * first.xyz.dot(way)
-                        known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
-                        rank = ti.select(there < 0.0, -FAR * there, there)
-                        if like > OPPOSITE and known and rank < least and is_hollow(like, node.w, plane, cell):
-                            other = node.xyz.dot(second.xyz)
-                            if second.w >= FAR or (other > OPPOSITE and other < TURNED):
-                                front = vec4(node.xyz, node.xyz.dot(x) - there)
-                                if is_face(s, p, front, beside, side, frame, lattice, table, nodes):
-                                    found, least = front, rank
-                if second.w >= FAR:
-                    second = found
-                else:
-                    third = found
-                if found.w < FAR:
-                    beside += found.xyz
-    return first, second, third
+                    found = vec4(node.xyz, node.xyz.dot(x) - there)
+    return found, least, outside
+
+
+@ti.func
+def nearest_around(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+) -> vec4:
+    """The nearest half-space that p is before by the nodes of the 27 cells around, or FAR: in a corner between thin
+    walls no node of the cell itself needs to be on this side of them."""
+    cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
+    found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR, real)
+    corner, inside, _ = cell_of(s, p, frame, lattice)
+    for k in range(64):
+        offset = ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+        place = node_at(s, corner + offset, lattice, table)
+        if place >= 0:
+            node = side * nodes[place]
+            there = node.w + cell * node.xyz.dot(inside - ti.cast(offset, real))
+            if node.w > 0.0 and there >= 0.0 and there < least:
+                front = vec4(node.xyz, node.xyz.dot(x) - there)
+                if is_face(s, p, front, vec3(0.0), side, frame, lattice, table, nodes):
+                    found, least = front, there
+    return found
+
+
+@ti.func
+def across_an_edge(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    first: vec4,
+    second: vec4,
+    beside: vec3,
+    least_known: real,
+    outside: bool,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+) -> vec4:
+    """The nearest half-space on the other side of a hollow edge from the first, and of one from the second if there is
+    one, or FAR; `beside`: the sum of their normals. Nodes a cell off in that direction are asked, too: those next to p
+    may all be nearer to the faces that are known."""
+    cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
+    found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR * FAR, real)
+    corner, inside, _ = cell_of(s, p, frame, lattice)
+    ahead = first.xyz.dot(x) - first.w
+    away = ti.floor(inside + beside, ti.i32)
+    for k in range(16):
+        offset = corner_of(k) if k < 8 else away + corner_of(k - 8)
+        place = node_at(s, corner + offset, lattice, table)
+        if place >= 0:
+            node = side * nodes[place]
+            way = inside - ti.cast(offset, real)
+            there = node.w + cell * node.xyz.dot(way)
+            like, other = node.xyz.dot(first.xyz), node.xyz.dot(second.xyz)
+            plane = ahead - cell * first.xyz.dot(way)
+            known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
+            new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < TURNED))
+            rank = ti.select(there < 0.0, -FAR * there, there)
+            if known and new and rank < least and is_hollow(like, node.w, plane, cell):
+                front = vec4(node.xyz, node.xyz.dot(x) - there)
+                if is_face(s, p, front, beside, side, frame, lattice, table, nodes):
+                    found, least = front, rank
+    return found
 
 
 @ti.func
