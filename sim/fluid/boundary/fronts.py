@@ -26,10 +26,10 @@ def fronts(
     second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
     first, least, outside = nearest(s, p, side, frame, lattice, table, nodes)
     ahead = first.xyz.dot(ti.cast(p, real)) - first.w
-    if first.w < FAR and ahead < 0.0:
-        further = nearest_around(s, p, side, frame, lattice, table, nodes)
-        if further.w < FAR:
-            first = further
+    if first.w < FAR and (ahead < 0.0 or not outside):
+        around = nearest_around(s, p, side, frame, lattice, table, nodes)
+        if around.w < FAR:
+            first, outside = around, True
     if first.w < FAR:
         beside = first.xyz
         second = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
