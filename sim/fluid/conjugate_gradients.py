@@ -50,7 +50,8 @@ class Solution:
 class ConjugateGradients:
     """Finds the pressures of a system whose source, diagonal and solids are given: by `sim.fluid.projection`, or with
     `corrected` gradients by `sim.fluid.gradient_correction`. worst: no particle may be left compressed by more
-    [kg/m^3], whatever the mean."""
+    [kg/m^3], whatever the mean, but for those that have no room in a gap: what a heavy body lands on would have to be
+    driven out at any speed."""
 
     def __init__(self, system: FluidSystem, *, corrected: bool = False):
         self.system = system
@@ -130,6 +131,7 @@ class ConjugateGradients:
             system.neighbors.size,
             system.neighbors.index,
             *system.boundary.faces.lists,
+            system.boundary.faces.excess,
             self.corrected,
             particles.correction if self.corrected else particles.push,
             particles.skew if self.corrected else particles.push,
@@ -264,6 +266,7 @@ def _iterate(
     face_weight: RealArray,
     held: RealArray,
     fit: vec4,
+    excess: RealArray,
     corrected: ti.template(),
     correction: Vec4Array,
     skew: Vec4Array,
@@ -340,7 +343,8 @@ def _iterate(
                 across += downhill * change.w
                 along += step * change.w
                 error += ti.max(left, 0.0)
-                worst = ti.max(worst, left)
+                if excess[i] == 0.0:
+                    worst = ti.max(worst, left)
             sums[row, 0] = across
             sums[row, 1] = along
             sums[row, 2] = error
