@@ -9,6 +9,8 @@ from sim.geometry.narrow_band import OPPOSITE, TURNED
 
 NEARER = 0.1
 """Cells by which a face may seem nearer than what nodes know to be the least distance."""
+SAME, EVEN, AGREEING = 0.99999, 0.002, 3
+"""Cosine between normals, and cells between offsets, of what two nodes see as one plane; and how many have to."""
 
 
 @ti.func
@@ -136,9 +138,34 @@ def across_an_edge(
             rank = ti.select(there < 0.0, -FAR * there, there)
             if known and new and rank < least and is_hollow(like, node.w, plane, cell):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
-                if is_face(s, p, front, beside, side, frame, lattice, table, nodes):
+                flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)
+                if flat and is_face(s, p, front, beside, side, frame, lattice, table, nodes):
                     found, least = front, rank
     return found
+
+
+@ti.func
+def is_flat(
+    s: ti.i32,
+    corner: ti.types.vector(3, ti.i32),
+    one: ti.types.vector(3, ti.i32),
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+    cell: real,
+):
+    """Whether others of the nodes around the cell at `corner` see the plane that one of its nodes sees: what is a cell
+    off tells nothing of the surface next to p where that is bent, as on a scan."""
+    node = nodes[node_at(s, one, lattice, table)]
+    same = 0
+    for k in range(64):
+        there = corner + ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+        place = node_at(s, there, lattice, table)
+        if place >= 0:
+            other = nodes[place]
+            step = other.w - node.w - cell * node.xyz.dot(ti.cast(there - one, real))
+            same += ti.cast(other.xyz.dot(node.xyz) > SAME and ti.abs(step) < EVEN * cell, ti.i32)
+    return same >= AGREEING
 
 
 @ti.func
