@@ -8,8 +8,9 @@ from sim.fluid.kernel import cubic
 
 WET, FULL = 0.25, 0.5
 """Shares of the density, before a surface, from which on it counts as wet, and as covered with particles."""
-CLOSED, ENTERED = 1.0, 1.15
-"""Spacings between two solids up to which there is no room for particles, and from which there is."""
+CLOSED, ENTERED = 1.8, 2.0
+"""Spacings between two solids up to which what no particles cover is a film, and from which it is a void. Particles
+come into a gap once it is a spacing wide, and not at once: as a void, it stopped what came up from the ground."""
 
 
 @ti.kernel
@@ -98,7 +99,7 @@ def press(
             other = face[begin[e] + k]
             if facing(normals[e].xyz / here[e].w, other.xyz):
                 closed = ti.math.clamp((ENTERED - other.w / spacing) / (ENTERED - CLOSED), 0.0, 1.0)
-                film = ti.max(film, (1.0 - wide(other.w, spacing, slim[own[e]])) * ti.max(closed, covered))
+                film = ti.max(film, closed * (1.0 - covered * wide(other.w, spacing, slim[own[e]])))
         found[e] = vec4(film, pressure / ti.max(wet, WET), wet, 0.0)
     for e in range(beside.shape[0]):
         if found[e].x < 0.5:

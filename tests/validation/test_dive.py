@@ -112,7 +112,6 @@ def test_a_block_leaves_the_floor_and_bobs_as_wu_measured(block):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="the void under it fills at once when it is a spacing high, which stops it")
 def test_a_block_rises_as_fast_as_wu_measured(block):
     """It is half its way up, at 28.1 mm, and at its first crest when it was measured to be, to a tenth of the time of
     the crest."""

@@ -275,6 +275,43 @@ def test_what_is_pressed_into_a_hollow_edge_meets_each_of_its_faces(tmp_path, tu
     assert (~met & (off < 0.5 * SPACING)).sum() <= 1e-3 * (off < 0.5 * SPACING).sum()
 
 
+def crumpled(deep, wave):
+    """A ball of 6 d with valleys, some times as `deep` [m] as the mean, and clefts; `wave` [m] apart."""
+    ball = trimesh.creation.icosphere(6, 6 * SPACING)
+    u = 2 * np.pi / wave * ball.vertices
+    height = np.sin(u[:, 0] + np.sin(u[:, 1])) * np.sin(u[:, 1] + 1) + np.sin(u[:, 2] + np.cos(u[:, 0]))
+    ball.vertices *= 1 + deep / (6 * SPACING) * height[:, None]
+    return ball
+
+
+@pytest.mark.parametrize(("deep", "wave"), [(0.5, 8.0), (0.7, 5.0), (1.0, 8.0), (1.2, 12.0)])
+def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep, wave):
+    """Or a particle would go on into it until nodes see it that are nearer, and be shot out: that stopped a film.
+
+    To d / 4, half a cell: that much of a valley nodes can not tell.
+    """
+    from sim.geometry.distance import MeshDistance
+    from sim.geometry.winding import WindingNumber
+
+    ball = crumpled(deep * SPACING, wave * SPACING)
+    export(ball, tmp_path / "scan.ply")
+    solids = solids_of(tmp_path, {"scan": {"shape": {"type": "mesh", "file": "scan.ply"}}})
+    foot, face = trimesh.sample.sample_surface(ball, 20_000, seed=7)
+    above = np.random.default_rng(7).uniform(0.05, 1.2, len(foot)) * SPACING
+    points = foot + above[:, None] * ball.face_normals[face]
+    away = MeshDistance(ball).closest(points)[1]
+    fluid = (WindingNumber(ball).at(points) <= 0) & (away > 0.05 * SPACING) & (away < 1.1 * SPACING)
+    points, away = points[fluid], away[fluid]
+    faces = faces_at(solids, points)
+    begin, size, face = (array.to_numpy() for array in (faces.begin, faces.size, faces.face))
+    begin, size = begin[: len(points)], size[: len(points)]
+    assert size.min() > 0
+    nearest = np.min([face[begin + np.minimum(e, size - 1), 3] for e in range(size.max())], axis=0)
+    off = (nearest - away) / SPACING
+    print(f"{off.min():.2f} to {off.max():.2f} d, {(off > 0.25).sum()} of {len(off)} too far")
+    assert off.max() < 0.25
+
+
 def hollow_box(inner, wall):
     """A box with a cavity in its middle, by the edge of that and the thickness around it [m]."""
     cavity = trimesh.creation.box([inner] * 3)

@@ -112,6 +112,12 @@ def corner_of(k: ti.i32) -> ti.types.vector(3, ti.i32):
 
 
 @ti.func
+def around_of(k: ti.i32) -> ti.types.vector(3, ti.i32):
+    """The k-th of the 64 corners of a cell and of those around it."""
+    return ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+
+
+@ti.func
 def node_at(s: ti.i32, node: ti.types.vector(3, ti.i32), lattice: IntTable, table: IntArray) -> ti.i32:
     """Of a node in the tables of all; -1 where there is none."""
     block = node // BLOCK

@@ -1,10 +1,15 @@
-"""The faces of a mesh that a particle is before: several in a hollow edge or corner."""
+"""The faces of a mesh that a particle is before: several in a hollow edge or corner.
+
+What nodes a cell off see is believed only where three of them see the same plane. Where a surface is hollow but bent,
+as in the valleys of a scan, the nearest of the half-spaces that nodes see is the one that counts; where it bulges, that
+furthest ahead.
+"""
 
 import taichi as ti
 
 from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.double import vec3 as vec3d
-from sim.fluid.boundary.band import FAR, ON, SEEN, cell_of, corner_of, is_of, node_at
+from sim.fluid.boundary.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
 from sim.geometry.narrow_band import OPPOSITE, TURNED
 
 NEARER = 0.1
@@ -33,6 +38,7 @@ def fronts(
         if around.w < FAR:
             first, outside = around, True
     if first.w < FAR:
+        first = nearer_in_a_hollow(s, p, side, first, least, outside, frame, lattice, table, nodes)
         beside = first.xyz
         second = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
         if second.w < FAR:
@@ -74,6 +80,38 @@ def nearest(
 
 
 @ti.func
+def nearer_in_a_hollow(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    first: vec4,
+    least_known: real,
+    outside: bool,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+) -> vec4:
+    """Of the half-spaces that the nodes of the cell around p see beside the first, the nearest that it is hollow
+    towards: between the walls of a cleft, too, which both are on this side."""
+    cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
+    corner, inside, _ = cell_of(s, p, frame, lattice)
+    ahead = first.xyz.dot(x) - first.w
+    found, least = first, ahead
+    for k in range(8):
+        place = node_at(s, corner + corner_of(k), lattice, table)
+        if place >= 0:
+            node = side * nodes[place]
+            way = inside - ti.cast(corner_of(k), real)
+            there = node.w + cell * node.xyz.dot(way)
+            known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
+            plane = ahead - cell * first.xyz.dot(way)
+            if known and node.w < plane - SEEN * cell and there >= 0.0 and there < least:
+                found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
+    return found
+
+
+@ti.func
 def nearest_around(
     s: ti.i32,
     p: vec3d,
@@ -89,7 +127,7 @@ def nearest_around(
     found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR, real)
     corner, inside, _ = cell_of(s, p, frame, lattice)
     for k in range(64):
-        offset = ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+        offset = around_of(k)
         place = node_at(s, corner + offset, lattice, table)
         if place >= 0:
             node = side * nodes[place]
@@ -159,7 +197,7 @@ def is_flat(
     node = nodes[node_at(s, one, lattice, table)]
     same = 0
     for k in range(64):
-        there = corner + ti.Vector([k & 3, k >> 2 & 3, k >> 4]) - 1
+        there = corner + around_of(k)
         place = node_at(s, there, lattice, table)
         if place >= 0:
             other = nodes[place]

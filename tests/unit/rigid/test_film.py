@@ -38,10 +38,11 @@ def test_elements_of_flat_faces_lie_on_them(name):
     assert points[bottom, 1] == pytest.approx(np.full(bottom.sum(), mesh.bounds[0, 1]), abs=1e-12)
 
 
-def films(body: dict, pressure, water: dict | None = None) -> np.ndarray:
+def films(body: dict, pressure, water: dict | None = None, raised: float = 0.0) -> np.ndarray:
     """Force [N] and torque [N m] of films on a body of a pool, or of other `water` in its tank.
 
-    pressure: of particles [Pa], by their positions [m].
+    pressure: of particles [Pa], by their positions [m]; raised: by how much the body has come up [m] while particles
+    stayed where they were.
     """
     import taichi as ti
 
@@ -60,7 +61,8 @@ def films(body: dict, pressure, water: dict | None = None) -> np.ndarray:
     system.particles.position.from_numpy(np.resize(position, (system.particles.capacity, 4)))
     solid = run.world.obstacles.placed[0].solid
     pivot = run.world.rigid.position[0]
-    still = np.concatenate((np.eye(3).ravel(), pivot - run.world.origin, np.zeros(6)))
+    now = pivot - run.world.origin + raised * np.array([0.0, 1.0, 0.0])
+    still = np.concatenate((np.eye(3).ravel(), now, np.zeros(6)))
     film, by_rims = Film(system, [0], [solid.mesh], [pivot]), ti.ndarray(ti.f64, (1, 6))
     film.find(still[None])
     film.pressed(system.particles.position, by_rims, found=False)
@@ -88,6 +90,13 @@ def test_the_whole_bottom_is_under_pressure():
     lift = films({"shape": BOX, "position": [0, 0.06, 0]}, at_rest)
     assert lift[:3] == pytest.approx([0, RHO * G * 0.3 * BOTTOM, 0], abs=0.03 * RHO * G * 0.3 * BOTTOM)
     assert np.abs(lift[3:]).max() < 0.01 * lift[1] * 0.1
+
+
+@pytest.mark.parametrize("gap", [0.5, 1.0, 1.5])
+def test_what_comes_up_faster_than_particles_follow_is_pressed_on_as_before(gap):
+    """Water there has no particles yet, so many spacings high, but is no void."""
+    lift = films({"shape": BOX, "position": [0, 0.06, 0]}, at_rest, raised=0.02 * gap)
+    assert lift[1] == pytest.approx(RHO * G * (0.3 - 0.02 * gap) * BOTTOM, rel=0.03)
 
 
 def test_pressure_that_falls_along_the_bottom_turns_the_body():
