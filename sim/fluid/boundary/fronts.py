@@ -10,10 +10,13 @@ import taichi as ti
 from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.double import vec3 as vec3d
 from sim.fluid.boundary.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
-from sim.geometry.narrow_band import OPPOSITE, TURNED
+from sim.geometry.narrow_band import OPPOSITE
 
 NEARER = 0.1
 """Cells by which a face may seem nearer than what nodes know to be the least distance."""
+BENT = 0.85
+"""Cosine of the angle between two normals up to which they belong to two faces. Of a second one that is turned less
+next to nothing counts (`sim.fluid.boundary.face_sums.place`), so that one that comes and goes does little."""
 SAME, EVEN, AGREEING = 0.99999, 0.002, 3
 """Cosine between normals, and cells between offsets, of what two nodes see as one plane; and how many have to."""
 
@@ -107,8 +110,42 @@ def nearer_in_a_hollow(
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
             plane = ahead - cell * first.xyz.dot(way)
             if known and node.w < plane - SEEN * cell and there >= 0.0 and there < least:
-                found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
+                one = corner_of(k)
+                if not is_hidden(s, node, there, one, corner, inside, side, outside, lattice, table, nodes, cell):
+                    found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
     return found
+
+
+@ti.func
+def is_hidden(
+    s: ti.i32,
+    node: vec4,
+    there: real,
+    one: ti.types.vector(3, ti.i32),
+    corner: ti.types.vector(3, ti.i32),
+    inside: vec3,
+    side: real,
+    outside: bool,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+    cell: real,
+):
+    """Whether another node of the cell at `corner` sees a half-space further ahead of what is `inside` it than that,
+    `there` [m], of the `node` that is `one` cell off that, and the two bulge: each is further from its own than from the other's.
+    So the rim of a glass is seen from above."""
+    hidden = False
+    for k in range(8):
+        place = node_at(s, corner + corner_of(k), lattice, table)
+        if place >= 0:
+            other = side * nodes[place]
+            way = inside - ti.cast(corner_of(k), real)
+            further = other.w + cell * other.xyz.dot(way)
+            mine = there - cell * node.xyz.dot(way)
+            its = further - cell * other.xyz.dot(inside - ti.cast(one, real))
+            bulges = other.w > mine + SEEN * cell and node.w > its + SEEN * cell
+            hidden = hidden or (further > there and bulges and outside == (other.w > -ON * cell))
+    return hidden
 
 
 @ti.func
@@ -172,9 +209,10 @@ def across_an_edge(
             like, other = node.xyz.dot(first.xyz), node.xyz.dot(second.xyz)
             plane = ahead - cell * first.xyz.dot(way)
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
-            new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < TURNED))
+            new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < BENT))
             rank = ti.select(there < 0.0, -FAR * there, there)
-            if known and new and rank < least and is_hollow(like, node.w, plane, cell):
+            likely = known and new and rank < least and is_hollow(like, node.w, plane, cell)
+            if likely and not is_hidden(s, node, there, offset, corner, inside, side, outside, lattice, table, nodes, cell):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
                 flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)
                 if flat and is_face(s, p, front, beside, side, frame, lattice, table, nodes):
@@ -210,7 +248,7 @@ def is_flat(
 def is_hollow(like: real, distance: real, plane: real, cell: real):
     """Whether a node sees another face, by the cosine `like` of the angle between the two, across a hollow edge: its
     distance [m] is less than that to the `plane` of the first, and not more, as across an edge that bulges."""
-    return like < TURNED and distance < plane - SEEN * cell
+    return like < BENT and distance < plane - SEEN * cell
 
 
 @ti.func
