@@ -60,24 +60,34 @@ def nearest(
     table: IntArray,
     nodes: Vec4Array,
 ):
-    """The half-space that the nodes of the cell around p see furthest ahead of it, those on this side of the surface
-    first; the least that the distance can be [m], by these nodes; and whether one of them is on this side."""
+    """The half-space that the nodes of the cell around p see furthest ahead of it, of those on this side of the surface
+    if there are any, but no further than the nearest point of it that they know; the least that the distance can be
+    [m], by these nodes; and whether one of them is on this side."""
     cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
     found, least, outside = vec4(0.0, 1.0, 0.0, FAR), ti.cast(-FAR, real), False
     corner, inside, within = cell_of(s, p, frame, lattice)
     if within:
+        most = ti.cast(FAR, real)
+        for k in range(8):
+            place = node_at(s, corner + corner_of(k), lattice, table)
+            if place >= 0:
+                node = side * nodes[place]
+                way = cell * (inside - ti.cast(corner_of(k), real))
+                # Nowhere does a distance change by more than the way.
+                least = ti.max(least, node.w - way.norm())
+                beyond = node.w > -ON * cell
+                if beyond and not outside:
+                    outside, most = True, ti.cast(FAR, real)
+                if beyond == outside:
+                    most = ti.min(most, (way + node.w * node.xyz).norm())
         ahead = ti.cast(-FAR, real)
         for k in range(8):
             place = node_at(s, corner + corner_of(k), lattice, table)
             if place >= 0:
                 node = side * nodes[place]
-                way = inside - ti.cast(corner_of(k), real)
-                there = node.w + cell * node.xyz.dot(way)
-                # Nowhere does a distance change by more than the way.
-                least = ti.max(least, node.w - cell * way.norm())
-                beyond = node.w > -ON * cell
-                if (there > ahead and outside == beyond) or (beyond and not outside):
-                    ahead, outside = there, outside or beyond
+                there = node.w + cell * node.xyz.dot(inside - ti.cast(corner_of(k), real))
+                if (node.w > -ON * cell) == outside and there > ahead and there < most + ON * cell:
+                    ahead = there
                     found = vec4(node.xyz, node.xyz.dot(x) - there)
     return found, least, outside
 
