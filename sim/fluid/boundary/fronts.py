@@ -1,8 +1,8 @@
 """The faces of a mesh that a particle is before: several in a hollow edge or corner.
 
-What nodes a cell off see is believed only where three of them see the same plane. Where a surface is hollow but bent,
-as in the valleys of a scan, the nearest of the half-spaces that nodes see is the one that counts; where it bulges, that
-furthest ahead.
+Where a surface bulges, the half-space that nodes see furthest ahead is the one that counts; where it is hollow, as in
+the valleys of a scan, the nearest, as long as nothing that bulges hides it. What nodes a cell off see is believed only
+where three of them see the same plane.
 """
 
 import taichi as ti
@@ -142,8 +142,8 @@ def is_hidden(
     cell: real,
 ):
     """Whether another node of the cell at `corner` sees a half-space further ahead of what is `inside` it than that,
-    `there` [m], of the `node` that is `one` cell off that, and the two bulge: each is further from its own than from the other's.
-    So the rim of a glass is seen from above."""
+    `there` [m], of the `node` that stands at `one` from that corner, and the surface bulges between them: each is
+    nearer to the other's half-space than to its own. So the rim hides a wall from above."""
     hidden = False
     for k in range(8):
         place = node_at(s, corner + corner_of(k), lattice, table)
