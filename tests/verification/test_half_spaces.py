@@ -451,9 +451,7 @@ def pairs_of(solids, points):
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
     still, none = 0 * state, state[:, 3]
-    system.load(
-        {"position": state, "velocity": still, "acceleration": still, "tag": tag, "slack": none, "told": none}
-    )
+    system.load({"position": state, "velocity": still, "acceleration": still, "tag": tag, "slack": none, "told": none})
     system.find_neighbors()
     size, index = system.neighbors.size.to_numpy()[: len(points)], system.neighbors.index.to_numpy()
     pairs = np.array([(i, j) for i in range(len(points)) for j in index[i, : size[i]]])

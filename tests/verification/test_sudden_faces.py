@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from sim.fluid.boundary.half_space import half_space_fit, own_share_host
-from tests.verification.test_half_spaces import H, SPACING, UP, vectors
+from tests.verification.test_half_spaces import SPACING, UP, H, vectors
 
 pytestmark = pytest.mark.usefixtures("taichi")
 FALL = 9.81 * SPACING

@@ -222,7 +222,9 @@ def across_an_edge(
             new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < BENT))
             rank = ti.select(there < 0.0, -FAR * there, there)
             likely = known and new and rank < least and is_hollow(like, node.w, plane, cell)
-            if likely and not is_hidden(s, node, there, offset, corner, inside, side, outside, lattice, table, nodes, cell):
+            if likely and not is_hidden(
+                s, node, there, offset, corner, inside, side, outside, lattice, table, nodes, cell
+            ):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
                 flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)
                 if flat and is_face(s, p, front, beside, side, frame, lattice, table, nodes):

@@ -7,7 +7,7 @@ of it only as fast as if the particle came nearer at its speed, or at the pace o
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, Vec4Array, real, vec3
+from sim.arrays import DoubleTable, IntArray, real, vec3
 from sim.fluid.boundary.gaps import PACE
 from sim.fluid.boundary.look import surface_velocity
 
