@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidState
     from sim.rigid.body import RigidState
 
-FORMAT = 3
+FORMAT = 2
 UNREADABLE = (
     *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
     *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),

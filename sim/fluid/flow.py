@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from sim.arrays import numpy_real
-from sim.fluid.boundary.growth import UNTOLD
 from sim.fluid.drains import Drains, Sink
 from sim.fluid.emitters import Outlet
 from sim.fluid.streams import LED, Streams
@@ -142,7 +141,6 @@ class Flow:
                 "acceleration": np.zeros((count, 4), numpy_real),
                 "tag": np.column_stack((first + np.arange(count), np.full(count, LED - number))).astype(np.int32),
                 "slack": np.zeros(count, numpy_real),
-                "told": np.full(count, UNTOLD, numpy_real),
             }
         )
         self.counts.particles_emitted += count

@@ -13,7 +13,6 @@ from sim.arrays import numpy_real
 from sim.fluid import load_solver
 from sim.fluid.added import force_arrays
 from sim.fluid.boundary.boundary import Boundary
-from sim.fluid.boundary.growth import UNTOLD
 from sim.fluid.boundary.shapes import BoundarySolid, Shapes
 from sim.fluid.mixing import mixing_arrays, viscosity_is_implicit
 from sim.fluid.seed import Room, Seed, seed
@@ -34,8 +33,7 @@ class FluidState:
     """The particles between steps: what a checkpoint keeps and an event hands on.
 
     position, velocity, acceleration: shape [n, 4], of which three columns are coordinates relative to the world's
-    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: in gaps [m], shape [n];
-    told: share of the rest density by solids that pressure has been told of, shape [n], UNTOLD at first.
+    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: in gaps [m], shape [n].
     """
 
     position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
@@ -43,7 +41,6 @@ class FluidState:
     acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     tag: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     slack: np.ndarray = field(default_factory=lambda: np.zeros(0, numpy_real))
-    told: np.ndarray = field(default_factory=lambda: np.zeros(0, numpy_real))
 
     @property
     def count(self) -> int:
@@ -97,7 +94,6 @@ def pour(
         acceleration=np.zeros((count, 4), numpy_real),
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
         slack=np.zeros(count, numpy_real),
-        told=np.full(count, UNTOLD, numpy_real),
     )
     return state.joined(fresh), found
 

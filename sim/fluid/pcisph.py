@@ -85,7 +85,7 @@ class Pcisph(Incompressible):
         Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
         """
         system, particles = self.system, self.system.particles
-        system.meet(position=particles.predicted, after=dt, pulls=fresh)
+        system.meet(position=particles.predicted, pulls=fresh)
         mean, worst = _compress(
             system.count,
             system.h,

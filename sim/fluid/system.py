@@ -23,7 +23,6 @@ PARTICLES = (
     Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
     Declared("slack", "real", "how much nearer to solids than a layer it may be, after it was caught between two [m]"),
-    Declared("told", "real", "share of the rest density by solids that pressure has been told of"),
 )
 
 ROW = 17
@@ -205,11 +204,9 @@ class FluidSystem:
         *,
         since: float | None = None,
         position: ti.Ndarray | None = None,
-        after: float = 0.0,
         pulls: bool = True,
     ) -> None:
-        """Find what solids are to particles that will be `ahead` [s], or at `position` `after` that time [s]; without
-        `pulls` these stay.
+        """Find what solids are to particles that will be `ahead` [s], or at `position`; without `pulls` these stay.
         `since`: the time [s] since this was last told; then what is caught between two is led and let out, by changing
         its velocity and slack."""
         particles = self.particles
@@ -219,9 +216,7 @@ class FluidSystem:
             self.count,
             ahead,
             slack=particles.slack,
-            told=particles.told,
             since=since,
-            lapse=(since or 0.0) + ahead + after,
             fall=self._fall,
             rest_density=self.spec.rest_density,
             pulls=pulls,

@@ -28,7 +28,6 @@ def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wa
     """A system with DFSPH's arrays, its solver, and the velocities as particles lie."""
     from sim.coupling.fluid_rigid import boundary_solids
     from sim.fluid.boundary.boundary import Boundary
-    from sim.fluid.boundary.growth import UNTOLD
     from sim.fluid.boundary.shapes import Shapes
     from sim.fluid.dfsph import Dfsph
     from sim.fluid.spec import Fluid
@@ -50,7 +49,6 @@ def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wa
             "acceleration": np.zeros((n, 4), np.float32),
             "tag": np.column_stack((np.arange(n), np.zeros(n))).astype(np.int32),
             "slack": np.zeros(n, np.float32),
-            "told": np.full(n, UNTOLD, np.float32),
         }
     )
     solver = Dfsph(system, 1.0)

@@ -450,8 +450,7 @@ def pairs_of(solids, points):
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H))
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
-    still, none = 0 * state, state[:, 3]
-    system.load({"position": state, "velocity": still, "acceleration": still, "tag": tag, "slack": none, "told": none})
+    system.load({"position": state, "velocity": 0 * state, "acceleration": 0 * state, "tag": tag, "slack": state[:, 3]})
     system.find_neighbors()
     size, index = system.neighbors.size.to_numpy()[: len(points)], system.neighbors.index.to_numpy()
     pairs = np.array([(i, j) for i in range(len(points)) for j in index[i, : size[i]]])

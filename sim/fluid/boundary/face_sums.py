@@ -14,7 +14,6 @@ from sim.fluid.boundary.gaps import (
     slack_after,
     wide,
 )
-from sim.fluid.boundary.growth import fastest_approach, told_of
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
 from sim.fluid.boundary.look import FAR, half_spaces, look, surface_velocity, to_own, to_world
 from sim.geometry.fields import GRID, PLANE
@@ -170,9 +169,7 @@ def place(
     velocity: Vec4Array,
     has_slack: ti.i32,
     slack: RealArray,
-    told: RealArray,
     since: real,
-    lapse: real,
     fall: real,
     rest_density: real,
     pose: DoubleTable,
@@ -204,13 +201,12 @@ def place(
     both, and so does one behind the other, as far as they do.
 
     Fluid in gaps narrower than a layer has slack (`sim.fluid.boundary.gaps`), which is brought on by the time `since`
-    it was last [s], unless that is less than none; fall: g d [m^2/s^2]. What solids add to the density by faces that
-    were not seen before comes gradually (`sim.fluid.boundary.growth`): `told` is what pressure knows of it.
+    it was last [s], unless that is less than none; fall: g d [m^2/s^2].
     """
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
-        gradient, loose, sudden = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
+        gradient, loose = vec3(0.0), ti.cast(0.0, real)
         if last > first:
             x = position[i].xyz + ahead * velocity[i].xyz
             for e in range(first, last):
@@ -255,7 +251,6 @@ def place(
                 total += share_of - (1.0 - left)
                 void *= left
             total += 1.0 - void
-            steep = ti.cast(0.0, real)
             for e in range(first, last):
                 left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
                 counts = 1.0 - left * left / fit.y * (1.0 - void / left)
@@ -263,15 +258,10 @@ def place(
                 if has_pull == 1:
                     pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
                 gradient += one
-                steep += one.norm()
-            if has_slack == 1:
-                way = lapse * fastest_approach(velocity[i].xyz, x, fall, first, last, solid, pose)
-                sudden = total - told_of(total, told[i], steep, way)
         if since >= 0.0:
             slack[i] = loose
-            told[i] = total - sudden
         share[i] = vec4(gradient, total)
-        excess[i] = denser(loose, spacing) + sudden
+        excess[i] = denser(loose, spacing)
 
 
 @ti.kernel

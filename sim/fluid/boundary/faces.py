@@ -118,19 +118,15 @@ class Faces:
         ahead: float,
         *,
         slack: ti.Ndarray | None = None,
-        told: ti.Ndarray | None = None,
         since: float | None = None,
-        lapse: float = 0.0,
         fall: float = 0.0,
         rest_density: float = 1.0,
         pulls: bool = True,
     ) -> None:
         """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay.
 
-        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), and what pressure was `told` of the share of solids
-        (`sim.fluid.boundary.growth`), both or none, brought on where it is given how much time `since` the
-        last step [s] has gone by: then velocities in gaps are changed, too. lapse: since pressure was
-        told of that share, until points are where they are asked for [s]; fall: g d [m^2/s^2]; rest_density [kg/m^3].
+        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), brought on where it is given how much time `since` the
+        last step [s] has gone by: then velocities in gaps are changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
         """
         if not self.shapes.count:
             return
@@ -144,9 +140,7 @@ class Faces:
             velocity,
             slack is not None,
             slack if slack is not None else self.excess,
-            told if told is not None else self.excess,
             -1.0 if since is None else since,
-            lapse,
             fall,
             rest_density,
             *self._looks,
