@@ -43,10 +43,15 @@ def fronts(
     if first.w < FAR:
         first = nearer_in_a_hollow(s, p, side, first, least, outside, frame, lattice, table, nodes)
         beside = first.xyz
-        second = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
-        if second.w < FAR:
-            beside += second.xyz
-            third = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
+        # A loop of two, so that the search is compiled once.
+        for further in range(2):
+            if further == 0 or second.w < FAR:
+                found = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
+                if further == 0:
+                    second = found
+                    beside += ti.select(found.w < FAR, found.xyz, 0.0)
+                else:
+                    third = found
     return first, second, third
 
 
