@@ -16,8 +16,9 @@ from sim.settings import Refused
 from tests.particles import positions, read_frame, read_table, velocities
 from tests.stress.scenes import assert_nothing_broken, pool
 
-LIMIT = 30.0
-"""Seconds that no scene of 125 particles may take; most take one."""
+LIMIT = 120.0
+"""Seconds after which a scene of 125 particles hangs: most take one, and one with a mesh 20 where its kernels have to
+be compiled, on a machine that does nothing else."""
 WATER = pool()["fluid"]["bodies"]["water"]
 
 
