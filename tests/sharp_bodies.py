@@ -22,6 +22,15 @@ def export(mesh: trimesh.Trimesh, path: Path) -> None:
     mesh.export(path)
 
 
+def cup(sides: int, taper: float, radius: float, high: float, wall: float) -> trimesh.Trimesh:
+    """A cup of flat sides on the ground, of an inner `radius` [m] at its rim and `taper` times that at its bottom."""
+    outer = radius + wall
+    outline = np.array([[0, 0], [taper * outer, 0], [outer, high], [radius, high], [taper * radius, wall], [0, wall]])
+    mesh = trimesh.creation.revolve(outline, sections=sides)
+    mesh.vertices = mesh.vertices[:, [1, 2, 0]]
+    return mesh
+
+
 def sharp_bodies(folder: Path) -> dict[str, dict[str, Any]]:
     """Settings of rigid bodies by name; meshes are written to `folder`."""
     ridge = np.array([[x, y, z] for z in (-0.3, 0.3) for x, y in ((-0.3, -0.3), (0.3, -0.3), (0.0, TOP))])

@@ -124,42 +124,44 @@ def nearer_in_a_hollow(
             there = node.w + cell * node.xyz.dot(way)
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
             plane = ahead - cell * first.xyz.dot(way)
-            if known and node.w < plane - SEEN * cell and there >= 0.0 and there < least:
-                one = corner_of(k)
-                if not is_hidden(s, node, there, one, corner, inside, side, outside, lattice, table, nodes, cell):
-                    found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
+            closer = known and node.w < plane - SEEN * cell and there >= 0.0 and there < least
+            if closer and not is_hidden(s, p, node, cell * way, side, outside, frame, lattice, table, nodes):
+                found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
     return found
 
 
 @ti.func
 def is_hidden(
     s: ti.i32,
+    p: vec3d,
     node: vec4,
-    there: real,
-    one: ti.types.vector(3, ti.i32),
-    corner: ti.types.vector(3, ti.i32),
-    inside: vec3,
+    way: vec3,
     side: real,
     outside: bool,
+    frame: DoubleTable,
     lattice: IntTable,
     table: IntArray,
     nodes: Vec4Array,
-    cell: real,
 ):
-    """Whether another node of the cell at `corner` sees a half-space further ahead of what is `inside` it than that,
-    `there` [m], of the `node` that stands at `one` from that corner, and the surface bulges between them: each is
-    nearer to the other's half-space than to its own. So the rim hides a wall from above."""
+    """Whether the surface is not there where p, `way` [m] from a `node`, is nearest to the half-space that this sees,
+    its foot. Another node of the cell around p or the foot is nearer to that than to the surface; or it sees one that
+    the foot is ahead of, and the surface bulges between them, each node nearer to the other's half-space than to its
+    own. So the rim hides a wall from above."""
+    cell = ti.cast(frame[s, 3], real)
+    to_foot = -(node.w + node.xyz.dot(way)) * node.xyz
     hidden = False
-    for k in range(8):
-        place = node_at(s, corner + corner_of(k), lattice, table)
-        if place >= 0:
+    for k in range(16):
+        moved = ti.select(k < 8, 0.0, 1.0) * to_foot
+        corner, inside, within = cell_of(s, p + ti.cast(moved, ti.f64), frame, lattice)
+        place = node_at(s, corner + corner_of(k % 8), lattice, table)
+        if within and place >= 0:
             other = side * nodes[place]
-            way = inside - ti.cast(corner_of(k), real)
-            further = other.w + cell * other.xyz.dot(way)
-            mine = there - cell * node.xyz.dot(way)
-            its = further - cell * other.xyz.dot(inside - ti.cast(one, real))
-            bulges = other.w > mine + SEEN * cell and node.w > its + SEEN * cell
-            hidden = hidden or (further > there and bulges and outside == (other.w > -ON * cell))
+            from_other = cell * (inside - ti.cast(corner_of(k % 8), real)) + to_foot - moved
+            ahead = other.w + other.xyz.dot(from_other)
+            its = ahead - other.xyz.dot(way + to_foot)
+            bulges = other.w > SEEN * cell - node.xyz.dot(from_other) and node.w > its + SEEN * cell
+            hidden = hidden or (ahead > SEEN * cell and bulges and outside == (other.w > -ON * cell))
+            hidden = hidden or other.w > from_other.norm() + NEARER * cell
     return hidden
 
 
@@ -227,9 +229,7 @@ def across_an_edge(
             new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < BENT))
             rank = ti.select(there < 0.0, -FAR * there, there)
             likely = known and new and rank < least and is_hollow(like, node.w, plane, cell)
-            if likely and not is_hidden(
-                s, node, there, offset, corner, inside, side, outside, lattice, table, nodes, cell
-            ):
+            if likely and not is_hidden(s, p, node, cell * way, side, outside, frame, lattice, table, nodes):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
                 flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)
                 if flat and is_face(s, p, front, beside, side, frame, lattice, table, nodes):
