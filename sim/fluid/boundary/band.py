@@ -10,6 +10,7 @@ from sim.geometry.narrow_band import BLOCK, OPPOSITE, TURNED
 FAR = 1e10
 SEEN = 0.05
 """Cells by which two faces have to differ in distance at a node for their edge to be seen."""
+BITS = BLOCK.bit_length() - 1
 ON = 1e-3
 """Cells behind the surface at which a node is on it yet: further in, it sees an edge where two faces are."""
 ALIKE, ALIGNED = 0.25, 0.9
@@ -120,8 +121,7 @@ def around_of(k: ti.i32) -> ti.types.vector(3, ti.i32):
 @ti.func
 def node_at(s: ti.i32, node: ti.types.vector(3, ti.i32), lattice: IntTable, table: IntArray) -> ti.i32:
     """Of a node in the tables of all; -1 where there is none."""
-    block = node // BLOCK
-    inner = node - BLOCK * block
+    block, inner = node >> BITS, node & BLOCK - 1
     row = -1
     if node.min() >= 0 and block.x < lattice[s, 1] and block.y < lattice[s, 2] and block.z < lattice[s, 3]:
         row = table[lattice[s, 0] + (block.x * lattice[s, 2] + block.y) * lattice[s, 3] + block.z]

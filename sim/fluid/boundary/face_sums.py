@@ -15,7 +15,7 @@ from sim.fluid.boundary.gaps import (
     wide,
 )
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
-from sim.fluid.boundary.look import FAR, half_spaces, look, surface_velocity, to_own, to_world
+from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
 from sim.geometry.fields import GRID, PLANE
 from sim.geometry.narrow_band import OPPOSITE
 from sim.neighbors import padded
@@ -145,7 +145,9 @@ def find(
                 wanted = _beside(s, x, x, reach, boxes)
             if wanted:
                 p = to_own(s, x, pose)
-                one, second, third = half_spaces(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)
+                one, second, third = half_spaces(
+                    s, p, ti.cast(reach, real), kind, half, shift, kinds, frame, lattice, table, nodes
+                )
                 for c in range(3):
                     front = one if c == 0 else (second if c == 1 else third)
                     if front.xyz.dot(ti.cast(p, real)) - front.w < reach and front.w < FAR:
@@ -334,7 +336,7 @@ def hold_off(
             at = ti.cast(p, real)
             side = near[e]
             if side.xyz.dot(at) - side.w < 0.0 and kind[s] != PLANE:
-                one = half_spaces(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)[0]
+                one = half_space(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)
                 if one.w < FAR and one.xyz.dot(side.xyz) < OPPOSITE:
                     normal = to_world(s, side.xyz, pose)
                     position[i].xyz = x + (gap + side.w - side.xyz.dot(at)) * normal

@@ -26,33 +26,52 @@ def fronts(
     s: ti.i32,
     p: vec3d,
     side: real,
+    reach: real,
     frame: DoubleTable,
     lattice: IntTable,
     table: IntArray,
     nodes: Vec4Array,
 ):
     """Normals and offsets of up to three half-spaces of a band that p is before, or FAR: of a thin wall that on this
-    side of it, and where faces meet in a hollow edge or corner each of them."""
+    side of it, and where faces meet in a hollow edge or corner each of them that is within `reach` [m]."""
     second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-    first, least, outside = nearest(s, p, side, frame, lattice, table, nodes)
-    ahead = first.xyz.dot(ti.cast(p, real)) - first.w
-    if first.w < FAR and (ahead < 0.0 or not outside):
-        around = nearest_around(s, p, side, frame, lattice, table, nodes)
-        if around.w < FAR:
-            first, outside = around, True
-    if first.w < FAR:
+    first, least, outside = front(s, p, side, frame, lattice, table, nodes)
+    if first.w < FAR and least < reach:
         first = nearer_in_a_hollow(s, p, side, first, least, outside, frame, lattice, table, nodes)
         beside = first.xyz
         # A loop of two, so that the search is compiled once.
         for further in range(2):
             if further == 0 or second.w < FAR:
-                found = across_an_edge(s, p, side, first, second, beside, least, outside, frame, lattice, table, nodes)
+                found = across_an_edge(
+                    s, p, side, reach, first, second, beside, least, outside, frame, lattice, table, nodes
+                )
                 if further == 0:
                     second = found
                     beside += ti.select(found.w < FAR, found.xyz, 0.0)
                 else:
                     third = found
     return first, second, third
+
+
+@ti.func
+def front(
+    s: ti.i32,
+    p: vec3d,
+    side: real,
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+):
+    """The half-space that p is before, whatever it is hollow towards, or FAR; the least that the distance can be [m];
+    and whether p is on this side of the surface as far as nodes tell."""
+    first, least, outside = nearest(s, p, side, frame, lattice, table, nodes)
+    ahead = first.xyz.dot(ti.cast(p, real)) - first.w
+    if first.w < FAR and (ahead < 0.0 or not outside):
+        around = nearest_around(s, p, side, frame, lattice, table, nodes)
+        if around.w < FAR:
+            first, outside = around, True
+    return first, least, outside
 
 
 @ti.func
@@ -150,18 +169,20 @@ def is_hidden(
     cell = ti.cast(frame[s, 3], real)
     to_foot = -(node.w + node.xyz.dot(way)) * node.xyz
     hidden = False
-    for k in range(16):
-        moved = ti.select(k < 8, 0.0, 1.0) * to_foot
+    for at in range(2):
+        moved = ti.cast(at, real) * to_foot
         corner, inside, within = cell_of(s, p + ti.cast(moved, ti.f64), frame, lattice)
-        place = node_at(s, corner + corner_of(k % 8), lattice, table)
-        if within and place >= 0:
-            other = side * nodes[place]
-            from_other = cell * (inside - ti.cast(corner_of(k % 8), real)) + to_foot - moved
-            ahead = other.w + other.xyz.dot(from_other)
-            its = ahead - other.xyz.dot(way + to_foot)
-            bulges = other.w > SEEN * cell - node.xyz.dot(from_other) and node.w > its + SEEN * cell
-            hidden = hidden or (ahead > SEEN * cell and bulges and outside == (other.w > -ON * cell))
-            hidden = hidden or other.w > from_other.norm() + NEARER * cell
+        for k in range(8):
+            if within and not hidden:
+                place = node_at(s, corner + corner_of(k), lattice, table)
+                if place >= 0:
+                    other = side * nodes[place]
+                    from_other = cell * (inside - ti.cast(corner_of(k), real)) + to_foot - moved
+                    ahead = other.w + other.xyz.dot(from_other)
+                    its = ahead - other.xyz.dot(way + to_foot)
+                    bulges = other.w > SEEN * cell - node.xyz.dot(from_other) and node.w > its + SEEN * cell
+                    hidden = ahead > SEEN * cell and bulges and outside == (other.w > -ON * cell)
+                    hidden = hidden or other.w > from_other.norm() + NEARER * cell
     return hidden
 
 
@@ -198,6 +219,7 @@ def across_an_edge(
     s: ti.i32,
     p: vec3d,
     side: real,
+    reach: real,
     first: vec4,
     second: vec4,
     beside: vec3,
@@ -208,9 +230,9 @@ def across_an_edge(
     table: IntArray,
     nodes: Vec4Array,
 ) -> vec4:
-    """The nearest half-space on the other side of a hollow edge from the first, and of one from the second if there is
-    one, or FAR; `beside`: the sum of their normals. Nodes a cell off in that direction are asked, too: those next to p
-    may all be nearer to the faces that are known."""
+    """The nearest half-space within `reach` [m] on the other side of a hollow edge from the first, and of one from the
+    second if there is one, or FAR; `beside`: the sum of their normals. Nodes a cell off in that direction are asked,
+    too: those next to p may all be nearer to the faces that are known."""
     cell, x = ti.cast(frame[s, 3], real), ti.cast(p, real)
     found, least = vec4(0.0, 1.0, 0.0, FAR), ti.cast(FAR * FAR, real)
     corner, inside, _ = cell_of(s, p, frame, lattice)
@@ -228,7 +250,7 @@ def across_an_edge(
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
             new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < BENT))
             rank = ti.select(there < 0.0, -FAR * there, there)
-            likely = known and new and rank < least and is_hollow(like, node.w, plane, cell)
+            likely = known and new and there < reach and rank < least and is_hollow(like, node.w, plane, cell)
             if likely and not is_hidden(s, p, node, cell * way, side, outside, frame, lattice, table, nodes):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
                 flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)

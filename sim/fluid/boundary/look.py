@@ -13,7 +13,7 @@ from sim.double import vec3 as vec3d
 from sim.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
 from sim.fluid.boundary.curvature import curvature_of, shift_of
-from sim.fluid.boundary.fronts import fronts
+from sim.fluid.boundary.fronts import front, fronts
 from sim.geometry.fields import (
     BOX,
     CAPSULE,
@@ -95,7 +95,7 @@ def look(
     else:
         found = on_form(s, p, kind, size, shift, kinds)
         if kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
-            found = vec4(near.xyz, near.xyz.dot(ti.cast(p, real)) - near.w)
+            found = plane_of(near, p)
     return found
 
 
@@ -123,6 +123,7 @@ def on_form(
 def half_spaces(
     s: ti.i32,
     p: vec3d,
+    reach: real,
     kind: IntArray,
     size: Vec4Array,
     shift: ti.types.vector(2, real),
@@ -132,16 +133,44 @@ def half_spaces(
     table: IntArray,
     nodes: Vec4Array,
 ):
-    """Normals and offsets of up to three half-spaces that a solid is to p, whatever it was before; FAR where it is
-    none."""
+    """Normals and offsets of up to three half-spaces that a solid is to p within `reach` [m], whatever it was before;
+    FAR where it is none."""
     first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
     if kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            first, second, third = fronts(s, p, size[s].w, frame, lattice, table, nodes)
+            first, second, third = fronts(s, p, size[s].w, reach, frame, lattice, table, nodes)
     else:
-        one = on_form(s, p, kind, size, shift, kinds)
-        first = vec4(one.xyz, one.xyz.dot(ti.cast(p, real)) - one.w)
+        first = plane_of(on_form(s, p, kind, size, shift, kinds), p)
     return first, second, third
+
+
+@ti.func
+def half_space(
+    s: ti.i32,
+    p: vec3d,
+    kind: IntArray,
+    size: Vec4Array,
+    shift: ti.types.vector(2, real),
+    kinds: ti.template(),
+    frame: DoubleTable,
+    lattice: IntTable,
+    table: IntArray,
+    nodes: Vec4Array,
+) -> vec4:
+    """The one of them that tells which side of the surface p is on."""
+    found = vec4(0.0, 1.0, 0.0, FAR)
+    if kind[s] == GRID:
+        if ti.static(kinds >> GRID & 1):
+            found = front(s, p, size[s].w, frame, lattice, table, nodes)[0]
+    else:
+        found = plane_of(on_form(s, p, kind, size, shift, kinds), p)
+    return found
+
+
+@ti.func
+def plane_of(at: vec4, p: vec3d) -> vec4:
+    """Unit normal and offset of the plane that p is this normal and distance from."""
+    return vec4(at.xyz, at.xyz.dot(ti.cast(p, real)) - at.w)
 
 
 @ti.func
