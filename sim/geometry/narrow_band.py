@@ -20,7 +20,8 @@ OPPOSITE = -0.5
 """Cosine of the angle between two normals beyond which they belong to the two sides of a thin wall."""
 
 TURNED = 0.5
-"""The same beyond which they belong to two faces, where these meet in a hollow edge."""
+"""The same beyond which what a node sees does not count in the mean about a point before a hollow edge. Faces that are
+turned less are two (`sim.fluid.boundary.fronts.BENT`), but with that cosine shares jump twice as often beside edges."""
 
 
 @dataclass(frozen=True)
