@@ -35,7 +35,7 @@ def fronts(
     """Normals and offsets of up to three half-spaces of a band that p is before, or FAR: of a thin wall that on this
     side of it, and where faces meet in a hollow edge or corner each of them that is within `reach` [m]."""
     second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-    first, least, outside = front(s, p, side, frame, lattice, table, nodes)
+    first, least, outside = front_at(s, p, side, frame, lattice, table, nodes)
     if first.w < FAR and least < reach:
         first = nearer_in_a_hollow(s, p, side, first, least, outside, frame, lattice, table, nodes)
         beside = first.xyz
@@ -54,7 +54,7 @@ def fronts(
 
 
 @ti.func
-def front(
+def front_at(
     s: ti.i32,
     p: vec3d,
     side: real,

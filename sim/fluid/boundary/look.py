@@ -13,7 +13,7 @@ from sim.double import vec3 as vec3d
 from sim.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
 from sim.fluid.boundary.curvature import curvature_of, shift_of
-from sim.fluid.boundary.fronts import front, fronts
+from sim.fluid.boundary.fronts import front_at, fronts
 from sim.geometry.fields import (
     BOX,
     CAPSULE,
@@ -161,7 +161,7 @@ def half_space(
     found = vec4(0.0, 1.0, 0.0, FAR)
     if kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            found = front(s, p, size[s].w, frame, lattice, table, nodes)[0]
+            found = front_at(s, p, size[s].w, frame, lattice, table, nodes)[0]
     else:
         found = plane_of(on_form(s, p, kind, size, shift, kinds), p)
     return found
