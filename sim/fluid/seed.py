@@ -175,14 +175,15 @@ def _taken_by_solids(solid: Solid, spacing: float, room: Room) -> float:
     width = _Closest.of(room.gaps(cells, corner), len(cells)).width
     near = width < corner
     cells, width = cells[near], width[near]
-    distance = solid.signed_distance(cells)
+    distance, _ = solid.distance_and_slope(cells, corner)
     whole = (distance < -corner) & (width < -corner)
     taken = np.count_nonzero(whole) * spacing**3
     cells, step = cells[(distance < corner) & ~whole], spacing
     for _ in range(CUTS):
         step /= 2
         cells = (cells[:, None] + step * EIGHTH).reshape(-1, 3)
-        distance, width = solid.signed_distance(cells), _Closest.of(room.gaps(cells, step), len(cells)).width
+        width = np.minimum(_Closest.of(room.gaps(cells, step), len(cells)).width, step)
+        distance = np.clip(solid.distance_and_slope(cells, step)[0], -step, step)
         shares = _share_inside(distance, step) - _share_inside(np.maximum(distance, -width), step)
         # Where two surfaces pass through a cell, and are not the same, it is cut again.
         cut = (np.minimum(np.abs(distance), np.abs(width)) < step / 2) & (np.abs(distance + width) > SAME * step)
