@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidState
     from sim.rigid.body import RigidState
 
-FORMAT = 2
+FORMAT = 3
 UNREADABLE = (
     *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
     *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),

@@ -141,6 +141,7 @@ class Flow:
                 "acceleration": np.zeros((count, 4), numpy_real),
                 "tag": np.column_stack((first + np.arange(count), np.full(count, LED - number))).astype(np.int32),
                 "slack": np.zeros(count, numpy_real),
+                "eased": np.zeros(count, numpy_real),
             }
         )
         self.counts.particles_emitted += count

@@ -33,7 +33,8 @@ class FluidState:
     """The particles between steps: what a checkpoint keeps and an event hands on.
 
     position, velocity, acceleration: shape [n, 4], of which three columns are coordinates relative to the world's
-    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: in gaps [m], shape [n].
+    origin; tag: identity and index of the fluid body, shape [n, 2]; slack: in gaps [m], and
+    eased: what solids add that does not press yet, shape [n].
     """
 
     position: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
@@ -41,6 +42,7 @@ class FluidState:
     acceleration: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), numpy_real))
     tag: np.ndarray = field(default_factory=lambda: np.zeros((0, 2), np.int32))
     slack: np.ndarray = field(default_factory=lambda: np.zeros(0, numpy_real))
+    eased: np.ndarray = field(default_factory=lambda: np.zeros(0, numpy_real))
 
     @property
     def count(self) -> int:
@@ -94,6 +96,7 @@ def pour(
         acceleration=np.zeros((count, 4), numpy_real),
         tag=np.column_stack((first + np.arange(count), np.full(count, body))).astype(np.int32),
         slack=np.zeros(count, numpy_real),
+        eased=np.zeros(count, numpy_real),
     )
     return state.joined(fresh), found
 

@@ -23,6 +23,8 @@ PARTICLES = (
     Declared("acceleration", "vec4", "m/s^2; w: L q of the last pressures [kg/(m^3 s^2)]"),
     Declared("tag", "vec2i", "identity and body"),
     Declared("slack", "real", "how much nearer to solids than a layer it may be, after it was caught between two [m]"),
+    Declared("eased", "real", "share of the rest density that solids add, and that does not press yet"),
+    Declared("known", "real", "what solids added before they were listed anew, and 1; or nothing", saved=False),
 )
 
 ROW = 17
@@ -151,6 +153,8 @@ class FluidSystem:
         self._alone = 1.0 - self.mass * float(cubic_host(np.zeros(1), self.h)[0]) / spec.rest_density
         """What solids add to a particle alone at rest, over the rest density."""
         self._way_left = 0.0
+        self._listed = self._noted = False
+        """Whether solids are listed as they are after a checkpoint, and whether it is known what they were before."""
         self.remembers = hasattr(self.particles, "pressed")
         """Whether it is kept which pressures acted where in the step, for who asks for them."""
         self.forgetful = True
@@ -184,11 +188,17 @@ class FluidSystem:
         """Choose the hash by the present count and forget the neighbours and what else is not saved, so that a run that
         goes on from a checkpoint does the same; returns whether particles have to be sorted anew before all else."""
         self._way_left = 0.0
+        self._listed = self._listed and self._skin == 0
         self.forgetful = True
         return self.grid.fit(self.count)
 
-    def exchange(self, dt: float) -> None:
-        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet."""
+    def exchange(self, dt: float, way: float = float("inf")) -> None:
+        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet; `way`: how far
+        [m] any of them has moved in it at most."""
+        self._noted = self.boundary.shapes.meshes and self._listed and self._way_left <= way
+        if self._noted:
+            self.meet(pulls=False)
+            self.boundary.faces.note(self.count, self.particles.known)
         if self.flow and self.flow.exchange(dt):
             self._way_left = 0.0
             self.forgetful = True
@@ -216,6 +226,7 @@ class FluidSystem:
             self.count,
             ahead,
             slack=particles.slack,
+            eased=particles.eased,
             since=since,
             fall=self._fall,
             rest_density=self.spec.rest_density,
@@ -240,6 +251,9 @@ class FluidSystem:
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
         self.find_solids(dt)
+        if self._noted:
+            self.boundary.faces.ease(self.count, self.particles.known, self.particles.eased)
+        self._noted, self._listed = False, True
         self.boundary.faces.sever(position, self.count, self.neighbors)
         if self.bodies:
             self.bodies.list()

@@ -71,7 +71,7 @@ class Wcsph:
         boundary.move()
         boundary.hold_off(particles.position, particles.velocity, self.system.count)
         way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
-        self.system.exchange(dt)
+        self.system.exchange(dt, way)
         self._accelerate(way, dt)
         if self.system.bodies:
             self.system.bodies.strike(dt, self.momentum)

@@ -49,6 +49,7 @@ def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wa
             "acceleration": np.zeros((n, 4), np.float32),
             "tag": np.column_stack((np.arange(n), np.zeros(n))).astype(np.int32),
             "slack": np.zeros(n, np.float32),
+            "eased": np.zeros(n, np.float32),
         }
     )
     solver = Dfsph(system, 1.0)

@@ -312,6 +312,50 @@ def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep
     assert off.max() < 0.25
 
 
+def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
+    """As a particle goes on beside a bent mesh, it comes to be told of another face at the same place, and would be
+    shot off by that, the faster, the shorter the step. Now it may be so much denser at first, and feels all of it once
+    it could have fallen two spacings at PACE of its way."""
+    import taichi as ti
+
+    from sim.arrays import real
+    from sim.fluid.boundary.face_sums import SUDDEN
+    from sim.fluid.boundary.gaps import PACE
+
+    ball = crumpled(1.2 * SPACING, 8 * SPACING)
+    export(ball, tmp_path / "scan.ply")
+    solids = solids_of(tmp_path, {"scan": {"shape": {"type": "mesh", "file": "scan.ply"}}})
+    foot, face = trimesh.sample.sample_surface(ball, 20_000, seed=5)
+    points = foot + 0.5 * SPACING * ball.face_normals[face]
+    rng = np.random.default_rng(5)
+    faces = faces_at(solids, points, start=points + rng.normal(scale=0.1 * SPACING, size=points.shape))
+    count, here, still = len(points), vectors(points), vectors(0 * points)
+    known, slack, eased = (ti.ndarray(real, count) for _ in range(3))
+    slack.fill(0)
+    eased.fill(0)
+    faces.note(count, known)
+    before = faces.share.to_numpy()[:count, 3]
+    fall = 9.81 * SPACING
+
+    def go_on(dt):
+        faces.place(here, still, count, 0.0, slack=slack, eased=eased, since=dt, fall=fall, rest_density=1000.0)
+
+    faces.find(here, count)
+    go_on(0.0)
+    faces.ease(count, known, eased)
+    share, left = faces.share.to_numpy()[:count, 3], faces.excess.to_numpy()[:count]
+    print(f"{(share - before > 0.1).sum()} of {count} are told of 0.1 more, {(share - before).max():.2f} at most")
+    assert (share - before > 0.1).sum() > 10
+    assert (share - left - before).max() < SUDDEN + 1e-5
+    assert (left <= share + 1e-6).all()
+    assert (left[np.abs(share - before) < SUDDEN - 1e-5] == 0).all()
+    steps = 100
+    for _ in range(steps):
+        go_on(SPACING / (PACE * np.sqrt(fall)) / steps)
+    np.testing.assert_allclose(faces.share.to_numpy()[:count, 3], share, atol=1e-6)
+    assert faces.excess.to_numpy()[:count].max() < 1e-6
+
+
 @pytest.mark.parametrize(("sides", "taper", "length"), [(5, 0.9, 1.0), (6, 0.8, 1.7), (7, 0.7, 1.0)])
 def test_beside_the_edges_of_a_hull_no_face_is_told_that_is_not_there(tmp_path, sides, taper, length):
     """As that of the plane of a wall above its rim, which shot particles off: the surface is where a half-space has it,
@@ -485,7 +529,16 @@ def pairs_of(solids, points):
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H))
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
-    system.load({"position": state, "velocity": 0 * state, "acceleration": 0 * state, "tag": tag, "slack": state[:, 3]})
+    system.load(
+        {
+            "position": state,
+            "velocity": 0 * state,
+            "acceleration": 0 * state,
+            "tag": tag,
+            "slack": state[:, 3],
+            "eased": state[:, 3],
+        }
+    )
     system.find_neighbors()
     size, index = system.neighbors.size.to_numpy()[: len(points)], system.neighbors.index.to_numpy()
     pairs = np.array([(i, j) for i in range(len(points)) for j in index[i, : size[i]]])

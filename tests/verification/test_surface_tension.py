@@ -186,7 +186,16 @@ def adhesive(points: np.ndarray, walls: str):
     state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
     tag = np.zeros((len(points), 2), np.int32)
     tag[:, 0] = np.arange(len(points))
-    system.load({"position": state, "velocity": 0 * state, "acceleration": 0 * state, "tag": tag, "slack": state[:, 3]})
+    system.load(
+        {
+            "position": state,
+            "velocity": 0 * state,
+            "acceleration": 0 * state,
+            "tag": tag,
+            "slack": state[:, 3],
+            "eased": state[:, 3],
+        }
+    )
     system.find_neighbors()
     Adhesion(system).accelerate()
     order = np.argsort(system.particles.numpy("tag")[:, 0])
@@ -253,7 +262,14 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
         density = np.tile(np.array([0, 0, 0, RHO], np.float32), (200, 1))
         tag = np.column_stack((np.arange(200), np.zeros(200))).astype(np.int32)
         system.load(
-            {"position": points, "velocity": density, "acceleration": 0 * points, "tag": tag, "slack": points[:, 3]}
+            {
+                "position": points,
+                "velocity": density,
+                "acceleration": 0 * points,
+                "tag": tag,
+                "slack": points[:, 3],
+                "eased": points[:, 3],
+            }
         )
         system.find_neighbors()
         Tension(system).accelerate()

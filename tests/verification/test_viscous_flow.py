@@ -124,6 +124,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
             "acceleration": 0 * at_rest,
             "tag": np.column_stack((np.arange(count), np.zeros(count))).astype(np.int32),
             "slack": np.zeros(count, np.float32),
+            "eased": np.zeros(count, np.float32),
         }
     )
     system.find_neighbors()

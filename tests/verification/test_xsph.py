@@ -40,6 +40,7 @@ def test_velocities_become_what_the_sum_says(taichi):
             "acceleration": zero,
             "tag": np.column_stack((np.arange(200), zero[:, 0])).astype(np.int32),
             "slack": zero[:, 0],
+            "eased": zero[:, 0],
         }
     )
     system.find_neighbors()

@@ -22,6 +22,8 @@ from sim.neighbors import padded
 
 GROUP = 32
 """Points in a row for which solids are sought together."""
+SUDDEN = 0.05
+"""Share of the rest density that half-spaces which come into sight may add at once."""
 TOUCHING = 1e-3
 """Share of the line of a pair by which it may seem to leave a sheet before it enters it, by rounding."""
 FACING = -0.3
@@ -171,6 +173,7 @@ def place(
     velocity: Vec4Array,
     has_slack: ti.i32,
     slack: RealArray,
+    eased: RealArray,
     since: real,
     fall: real,
     rest_density: real,
@@ -202,13 +205,13 @@ def place(
     """Of two that face the same way the nearer one counts: a seam between them is no edge. Those at right angles count
     both, and so does one behind the other, as far as they do.
 
-    Fluid in gaps narrower than a layer has slack (`sim.fluid.boundary.gaps`), which is brought on by the time `since`
-    it was last [s], unless that is less than none; fall: g d [m^2/s^2].
+    Fluid in gaps narrower than a layer has slack (`sim.fluid.boundary.gaps`), and what has come into sight is `eased`;
+    both are brought on by the time `since` they were last [s], unless that is less than none; fall: g d [m^2/s^2].
     """
     for i in range(count):
         first, last = begin[i], begin[i] + size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
-        gradient, loose = vec3(0.0), ti.cast(0.0, real)
+        gradient, loose, ease = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
         if last > first:
             x = position[i].xyz + ahead * velocity[i].xyz
             for e in range(first, last):
@@ -218,11 +221,12 @@ def place(
                 one = look(s, p, near[e], hollow, kind, half, shift, kinds, frame, lattice, table, nodes, bend)
                 face[e] = vec4(to_world(s, one.xyz, pose), one.w)
             if has_slack == 1:
-                loose = slack[i]
+                loose, ease = slack[i], eased[i]
                 if since >= 0.0:
                     v = velocity[i]
-                    compression = relieved(v.w, rest_density, excess[i]) / rest_density - 1.0
+                    compression = relieved(v.w, rest_density, denser(loose, spacing) + ease) / rest_density - 1.0
                     loose = slack_after(loose, since, v.xyz, compression, fall)
+                    ease = slack_after(ease * spacing, since, v.xyz, compression, fall) / spacing
                 loose = ti.max(loose, most_lacking(first, last, solid, face, spacing))
                 if since > 0.0 and loose > 0.0:
                     velocity[i].xyz = led(
@@ -261,9 +265,27 @@ def place(
                     pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
                 gradient += one
         if since >= 0.0:
-            slack[i] = loose
+            slack[i], eased[i] = loose, ease
         share[i] = vec4(gradient, total)
-        excess[i] = denser(loose, spacing)
+        excess[i] = denser(loose, spacing) + ease
+
+
+@ti.kernel
+def note(count: ti.i32, share: Vec4Array, known: RealArray):
+    """Remember what solids add, with one more than that: where nothing is known there is none."""
+    for i in range(count):
+        known[i] = 1.0 + share[i].w
+
+
+@ti.kernel
+def ease(count: ti.i32, known: RealArray, share: Vec4Array, eased: RealArray, excess: RealArray):
+    """Let what solids add by other half-spaces than before, at the same place, not press yet."""
+    for i in range(count):
+        sudden = share[i].w - (known[i] - 1.0)
+        if known[i] > 0.0 and ti.abs(sudden) > SUDDEN:
+            left = ti.math.clamp(eased[i] + sudden, 0.0, share[i].w)
+            excess[i] += left - eased[i]
+            eased[i] = left
 
 
 @ti.kernel

@@ -118,6 +118,7 @@ class Faces:
         ahead: float,
         *,
         slack: ti.Ndarray | None = None,
+        eased: ti.Ndarray | None = None,
         since: float | None = None,
         fall: float = 0.0,
         rest_density: float = 1.0,
@@ -125,8 +126,9 @@ class Faces:
     ) -> None:
         """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay.
 
-        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), brought on where it is given how much time `since` the
-        last step [s] has gone by: then velocities in gaps are changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
+        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), eased: the share that does not press yet (`ease`);
+        brought on where it is given how much time `since` the last step [s] has gone by: then velocities in gaps are
+        changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
         """
         if not self.shapes.count:
             return
@@ -140,6 +142,7 @@ class Faces:
             velocity,
             slack is not None,
             slack if slack is not None else self.excess,
+            eased if eased is not None else self.excess,
             -1.0 if since is None else since,
             fall,
             rest_density,
@@ -160,6 +163,19 @@ class Faces:
             self.share,
             self.excess,
         )
+
+    def note(self, count: int, known: ti.Ndarray) -> None:
+        """Remember what solids add to points where they are, by the half-spaces that are listed."""
+        face_sums.note(count, self.share, known)
+
+    def ease(self, count: int, known: ti.Ndarray, eased: ti.Ndarray) -> None:
+        """Let what those that are listed now add at once to what was `known`, at the same places, not press yet.
+
+        A mesh is known by what its nodes see: beside edges and in bent places other faces come into sight as a point
+        goes from cell to cell. As fluid that was there all the time, they would shoot it out, the faster, the shorter
+        the step.
+        """
+        face_sums.ease(count, known, self.share, eased, self.excess)
 
     def sever(self, position: ti.Ndarray, count: int, neighbors: NeighborList) -> None:
         """Take from lists the neighbours on the other side of a thin solid."""

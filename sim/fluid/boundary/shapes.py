@@ -67,6 +67,7 @@ class Shapes:
         """A bit for each kind that there is."""
         self.moving = [index for index, solid in enumerate(self.solids) if solid.pivot is not None]
         self.bodies = sum(solid.shape.kind != PLANE for solid in self.solids)
+        self.meshes = any(solid.band is not None for solid in self.solids)
         self.thin = any(solid.thin for solid in self.solids)
         self.kind = integer_array(np.array([solid.shape.kind for solid in self.solids] or [0]))
         self.firm = integer_array(np.array([not solid.free for solid in self.solids] or [1]))

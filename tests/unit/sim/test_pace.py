@@ -28,6 +28,7 @@ def test_the_step_is_that_of_the_first_particle(taichi):
             "acceleration": np.column_stack((acceleration[:, None] * axis[:, ::-1], np.zeros(4))).astype(np.float32),
             "tag": np.zeros((4, 2), np.int32),
             "slack": np.zeros(4, np.float32),
+            "eased": np.zeros(4, np.float32),
         }
     )
     system.find_neighbors()

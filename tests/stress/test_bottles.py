@@ -1,0 +1,57 @@
+"""A bottle that stands on its head runs empty. Where shoulder and neck meet its surface is hollow around the axis and
+bulges along it, and its neck is five spacings wide: as particles go on, other faces of the mesh come into sight."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.in_time import in_time
+from tests.particles import positions, read_frame, velocities
+from tests.sharp_bodies import export
+from tests.solvers import run
+
+SPACING, WALL = 0.005, 0.0015
+BODY, NECK, SHOULDER, MOUTH = 0.03, 0.012, (0.12, 0.16), 0.2
+"""Radii, and heights above the bottom while it stands [m]."""
+STAND = 0.3
+"""Height of its bottom while it stands on its head [m]."""
+
+
+def bottle(sides: int) -> trimesh.Trimesh:
+    """On its head, open below."""
+    outer = [[0, 0], [BODY + WALL, 0], [BODY + WALL, SHOULDER[0]], [NECK + WALL, SHOULDER[1]], [NECK + WALL, MOUTH]]
+    inner = [[NECK, MOUTH], [NECK, SHOULDER[1]], [BODY, SHOULDER[0]], [BODY, WALL], [0, WALL]]
+    mesh = trimesh.creation.revolve(np.array(outer + inner), sections=sides)
+    mesh.vertices = mesh.vertices[:, [1, 2, 0]] * [1, -1, 1] + [0, STAND, 0]
+    return mesh
+
+
+@pytest.mark.parametrize(
+    ("solver", "sides", "lean"), [("dfsph", 48, 5), *in_time(("dfsph", 20, 0), ("iisph", 48, 5), ("wcsph", 48, 5))]
+)
+def test_a_bottle_runs_empty_without_a_frame_repeated(tmp_path, solver, sides, lean):
+    """Nothing goes through it, and nothing comes out faster than what has fallen from where the water began."""
+    mesh = bottle(sides)
+    export(mesh, tmp_path / "bottle.ply")
+    turned = {"rotation": [{"axis": [0, 0, 1], "angle": lean}]}
+    shape = {"type": "mesh", "file": "bottle.ply", "anchor": "origin"}
+    high = 0.09
+    center = trimesh.transformations.rotation_matrix(np.deg2rad(lean), [0, 0, 1]) @ [0, STAND - WALL - high / 2, 0, 1]
+    water = {"shape": {"type": "cylinder", "radius": BODY, "height": high}, "position": center[:3].tolist(), **turned}
+    fluid = {"solver": solver, "particle_radius": SPACING / 2, "bodies": {"water": water}}
+    run({"fps": 30, "fluid": fluid, "rigid": {"bodies": {"bottle": {"shape": shape, **turned}}}}, tmp_path, 24)
+    counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
+    assert counts["retries"] == 0
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(np.deg2rad(lean), [0, 0, 1]))
+    frame = read_frame(tmp_path, 24)
+    points, speed = positions(frame), np.linalg.norm(velocities(frame), axis=1)
+    assert not mesh.contains(points).any()
+    outside = ~mesh.convex_hull.contains(points)
+    assert outside.mean() > 0.2, "it has not run out"
+    assert points[outside, 1].max() < mesh.bounds[0, 1] + 2 * SPACING
+    fallen = mesh.bounds[1, 1] - points[:, 1]
+    assert (speed < 1.1 * np.sqrt(2 * 9.81 * fallen)).all()
