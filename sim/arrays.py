@@ -104,22 +104,26 @@ class Particles:
             self.capacity = int(GROWTH * self.count)
             self._allocate()
         for field in self.declared:
-            if field.saved and self.count:
+            if (field.saved or field.name in state) and self.count:
                 kind, width = _ELEMENTS[field.element][1:]
                 whole = np.zeros((self.capacity, width), kind)
                 whole[: self.count] = state[field.name].reshape(self.count, width)
                 getattr(self, field.name).from_numpy(whole[:, 0] if width == 1 else whole)
 
     def extend(self, fresh: dict[str, np.ndarray]) -> None:
-        """Hold more after those there are: the values of the saved arrays by name, shape [n, components]."""
+        """Hold more after those there are: the values of the saved arrays by name, shape [n, components]. What else is
+        carried along is zero for them."""
         first, number = self.count, len(next(iter(fresh.values())))
+        for field in self.declared:
+            if field.sorted and not field.saved:
+                _, kind, width = _ELEMENTS[field.element]
+                fresh = fresh | {field.name: np.zeros((number, width) if width > 1 else number, kind)}
         if first + number > self.capacity:
-            state = self.state()
-            self.load({name: np.concatenate((state[name], values)) for name, values in fresh.items()})
+            self.load({name: np.concatenate((self.numpy(name), values)) for name, values in fresh.items()})
             return
         self.count += number
         for field in self.declared:
-            if field.saved:
+            if field.name in fresh:
                 _PUT[field.element](first, number, fresh[field.name], getattr(self, field.name))
 
     def numpy(self, name: str) -> np.ndarray:
