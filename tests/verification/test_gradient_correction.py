@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.systems import load
+
 SPACING, LAYERS, DT = 0.02, 10, 1e-3
 H = 2 * SPACING
 SHEAR = np.array([[0.3, 1.0, -0.4], [0.2, -0.8, 0.5], [-0.7, 0.1, 0.9]])
@@ -41,17 +43,7 @@ def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wa
     solids = boundary_solids(obstacles, SPACING, H) if wall else []
     boundary = Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H)
     system = FluidSystem(spec, gravity, boundary, Dfsph.ARRAYS)
-    n = len(x)
-    system.load(
-        {
-            "position": np.column_stack((x, np.zeros(n))).astype(np.float32),
-            "velocity": np.column_stack((v, np.full(n, 1000.0))).astype(np.float32),
-            "acceleration": np.zeros((n, 4), np.float32),
-            "tag": np.column_stack((np.arange(n), np.zeros(n))).astype(np.int32),
-            "slack": np.zeros(n, np.float32),
-            "eased": np.zeros(n, np.float32),
-        }
-    )
+    load(system, x, v, 1000.0)
     solver = Dfsph(system, 1.0)
     system.find_neighbors()
     return system, solver, here(system, "velocity")[:, :3]

@@ -19,6 +19,7 @@ from sim.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from tests.sharp_bodies import SPACING, cup, export, sharp_bodies
+from tests.systems import load
 
 pytestmark = pytest.mark.usefixtures("taichi")
 H = 2 * SPACING
@@ -314,8 +315,8 @@ def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep
 
 def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     """As a particle goes on beside a bent mesh, it comes to be told of another face at the same place, and would be
-    shot off by that, the faster, the shorter the step. Now it may be so much denser at first, and feels all of it once
-    it could have fallen two spacings at PACE of its way."""
+    shot off by that, the faster, the shorter the step. So it may be so much denser at first, and feels all of it by the
+    time in which it would go a spacing at PACE of sqrt(g d)."""
     import taichi as ti
 
     from sim.arrays import real
@@ -527,18 +528,7 @@ def pairs_of(solids, points):
 
     spec = Fluid(particle_radius=SPACING / 2)
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H))
-    state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
-    tag = np.zeros((len(points), 2), np.int32)
-    system.load(
-        {
-            "position": state,
-            "velocity": 0 * state,
-            "acceleration": 0 * state,
-            "tag": tag,
-            "slack": state[:, 3],
-            "eased": state[:, 3],
-        }
-    )
+    load(system, points)
     system.find_neighbors()
     size, index = system.neighbors.size.to_numpy()[: len(points)], system.neighbors.index.to_numpy()
     pairs = np.array([(i, j) for i in range(len(points)) for j in index[i, : size[i]]])

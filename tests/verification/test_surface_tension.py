@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from tests.particles import positions, read_frame, velocities
 from tests.solvers import run, run_changed, steps
+from tests.systems import load
 
 SIGMA, RHO, SPACING = 0.07, 1000.0, 1e-3
 H = 2 * SPACING
@@ -183,19 +184,7 @@ def adhesive(points: np.ndarray, walls: str):
     box = BoundarySolid(Primitive(BOX, half, np.array([0.0, -half[1], 0.0]), np.eye(3), half))
     solid = half_space(np.array([0.0, 1.0, 0.0]), 0.0) if walls == "plane" else box
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes([solid], np.zeros(3), SPACING, H), SPACING, H, H))
-    state = np.column_stack((points, np.zeros(len(points)))).astype(np.float32)
-    tag = np.zeros((len(points), 2), np.int32)
-    tag[:, 0] = np.arange(len(points))
-    system.load(
-        {
-            "position": state,
-            "velocity": 0 * state,
-            "acceleration": 0 * state,
-            "tag": tag,
-            "slack": state[:, 3],
-            "eased": state[:, 3],
-        }
-    )
+    load(system, points)
     system.find_neighbors()
     Adhesion(system).accelerate()
     order = np.argsort(system.particles.numpy("tag")[:, 0])
@@ -259,18 +248,7 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     for skin in (0.0, 0.3):
         boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
         system = FluidSystem(spec, np.zeros(3), boundary, ARRAYS, skin)
-        density = np.tile(np.array([0, 0, 0, RHO], np.float32), (200, 1))
-        tag = np.column_stack((np.arange(200), np.zeros(200))).astype(np.int32)
-        system.load(
-            {
-                "position": points,
-                "velocity": density,
-                "acceleration": 0 * points,
-                "tag": tag,
-                "slack": points[:, 3],
-                "eased": points[:, 3],
-            }
-        )
+        load(system, points[:, :3], density=RHO)
         system.find_neighbors()
         Tension(system).accelerate()
         found.append(system.particles.numpy("acceleration")[np.argsort(system.particles.numpy("tag")[:, 0]), :3])

@@ -13,6 +13,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from tests.in_time import in_time
+from tests.systems import load
 
 NU, LAYERS, SPACING = 0.02, 10, 0.01
 GAP = LAYERS * SPACING
@@ -115,18 +116,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     implicit = spec.viscosity_solver == "implicit"
     arrays = projection.ARRAYS + mixing_arrays(spec, implicit)
     system = FluidSystem(spec, np.array([g, 0, 0]), boundary, arrays, implicit_viscosity=implicit)
-    count = len(points)
-    at_rest = np.column_stack((np.zeros((count, 3)), np.full(count, spec.rest_density))).astype(np.float32)
-    system.load(
-        {
-            "position": np.column_stack((points, np.zeros(count))).astype(np.float32),
-            "velocity": at_rest,
-            "acceleration": 0 * at_rest,
-            "tag": np.column_stack((np.arange(count), np.zeros(count))).astype(np.int32),
-            "slack": np.zeros(count, np.float32),
-            "eased": np.zeros(count, np.float32),
-        }
-    )
+    load(system, points, density=spec.rest_density)
     system.find_neighbors()
     return system
 

@@ -7,6 +7,7 @@ import pytest
 
 from tests.particles import positions, read_frame, velocities
 from tests.solvers import SOLVERS, run, steps
+from tests.systems import load
 
 SPACING, SHARE = 0.02, 0.3
 H = 2 * SPACING
@@ -32,17 +33,7 @@ def test_velocities_become_what_the_sum_says(taichi):
     spec = Fluid(particle_radius=SPACING / 2, xsph=SHARE)
     boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
     system = FluidSystem(spec, np.zeros(3), boundary, mixing_arrays(spec, False))
-    zero = np.zeros((200, 4), np.float32)
-    system.load(
-        {
-            "position": np.column_stack((x, zero[:, 0])).astype(np.float32),
-            "velocity": np.column_stack((v, rho)).astype(np.float32),
-            "acceleration": zero,
-            "tag": np.column_stack((np.arange(200), zero[:, 0])).astype(np.int32),
-            "slack": zero[:, 0],
-            "eased": zero[:, 0],
-        }
-    )
+    load(system, x, v, rho)
     system.find_neighbors()
     Mixing(system).mix(1.0)
     w = kernel(np.linalg.norm(x[:, None] - x[None, :], axis=2))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.systems import load
+
 WAY = 0.004
 
 
@@ -21,16 +23,7 @@ def test_the_step_is_that_of_the_first_particle(taichi):
     spacing, h = spec.spacing, spec.support_radius
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes([], np.zeros(3), spacing, h), spacing, h, h))
     axis = np.array([[0.6, 0.0, -0.8]])
-    system.load(
-        {
-            "position": np.eye(4, dtype=np.float32),
-            "velocity": np.column_stack((speed[:, None] * axis, np.full(4, 1000.0))).astype(np.float32),
-            "acceleration": np.column_stack((acceleration[:, None] * axis[:, ::-1], np.zeros(4))).astype(np.float32),
-            "tag": np.zeros((4, 2), np.int32),
-            "slack": np.zeros(4, np.float32),
-            "eased": np.zeros(4, np.float32),
-        }
-    )
+    load(system, np.eye(4)[:, :3], speed[:, None] * axis, 1000.0, acceleration[:, None] * axis[:, ::-1])
     system.find_neighbors()
     roots = [np.roots([a, v, -WAY]).max() for v, a in zip(speed, acceleration, strict=True)]
     found = way_limit(WAY, system.measure(WAY, 1e3, 0.0, 1e3).pace)
