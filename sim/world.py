@@ -308,6 +308,9 @@ class World:
                 return f"the stiffness of the cloth (explicit steps of {self.cloth.integrator.stable:.2g} s)", remedy
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
+            case "pressure":
+                remedy = "use water that is less deep, or larger particles"
+                return f"the pressure in the fluid ({measure.pressure_max:.3g} Pa)", remedy
             case "viscosity":
                 remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
                 return f"the viscosity ({self.spec.fluid.viscosity:.3g} m^2/s)", remedy

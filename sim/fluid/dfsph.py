@@ -59,7 +59,7 @@ class Dfsph(Incompressible):
 
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
-        tolerance = settings.divergence_error * system.spec.rest_density
+        tolerance = settings.divergence_error * system.spec.rest_density / self.deep
         self.divergence.worst = (UNEVEN_BESIDE_BODIES if system.boundary.shapes.bodies else UNEVEN) * tolerance
         self.hyperviscosity.apply(dt)
         system.meet(dt)
@@ -70,7 +70,7 @@ class Dfsph(Incompressible):
             dt,
             tolerance,
             settings.min_iterations,
-            settings.max_iterations,
+            self.most_iterations,
             warm=True,
             ahead=dt,
         )
@@ -82,18 +82,18 @@ class Dfsph(Incompressible):
         return {"divergence_iterations": solution.iterations, "capped": solution.capped}
 
     def part(self, dt: float) -> dict[str, float]:
-        settings, tolerance = self.settings, self.settings.density_error * self.system.spec.rest_density
-        iterations, last = 0, float("inf")
+        tolerance = self.settings.density_error * self.system.spec.rest_density
+        iterations, most, last = 0, self.most_iterations, float("inf")
         for _ in range(MOST_LOOKS):
             self.projection.predict(0.0)
             mean, worst = self.apart.compression()
             if mean <= tolerance and worst <= self.apart.worst:
                 break
-            if mean > LESS * last or iterations >= settings.max_iterations:
+            if mean > LESS * last or iterations >= most:
                 break
             last = mean
-            iterations += self._move_apart(dt, tolerance, settings.max_iterations - iterations)
-        return {"pressure_iterations": iterations, "capped": iterations >= settings.max_iterations}
+            iterations += self._move_apart(dt, tolerance, most - iterations)
+        return {"pressure_iterations": iterations, "capped": iterations >= most}
 
     def _move_apart(self, dt: float, tolerance: float, most: int) -> int:
         """One look; what is led through nozzles stays where it is. Returns the iterations."""

@@ -48,12 +48,12 @@ class Iisph(Incompressible):
 
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
-        tolerance = settings.density_error * system.spec.rest_density
+        tolerance = settings.density_error * system.spec.rest_density / self.deep
         self.projection.predict(dt)
         if system.bodies:
             system.bodies.expect(dt)
         solution = self.gradients.solve(
-            dt, tolerance, settings.min_iterations, settings.max_iterations, warm=True, ahead=dt
+            dt, tolerance, settings.min_iterations, self.most_iterations, warm=True, ahead=dt
         )
         if system.bodies:
             system.bodies.take(dt)
@@ -64,7 +64,7 @@ class Iisph(Incompressible):
 
     def _look_again(self, dt: float, tolerance: float, solution: Solution) -> dict[str, float]:
         """Push off what is still compressed where particles will be, as long as that helps."""
-        most, iterations, capped = self.settings.max_iterations, solution.iterations, solution.capped
+        most, iterations, capped = self.most_iterations, solution.iterations, solution.capped
         far = FAR * min(1.0, math.sqrt(self.settings.density_error / COARSE)) * self.system.spec.spacing
         last = math.inf
         for _ in range(MOST_LOOKS):

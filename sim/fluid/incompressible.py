@@ -6,7 +6,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real
-from sim.fluid.limits import fall_limit, way_limit
+from sim.fluid.limits import fall_limit, pressure_limit, way_limit
 from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
 from sim.fluid.spec import Incompressible as Settings
@@ -14,6 +14,8 @@ from sim.fluid.system import FluidSystem, Measure
 
 WORST = 0.1
 """No particle may be left compressed by more than this share, whatever the mean."""
+LAYERS = 25
+"""Fluid that is deeper than so many layers of particles asks for smaller errors and more iterations."""
 
 
 class Incompressible:
@@ -41,12 +43,27 @@ class Incompressible:
         return getattr(self.system.spec, self.system.spec.solver)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
-        """Largest stable time steps [s]: the way of particles, gravity, and the other forces."""
+        """Largest stable time steps [s]: the way of particles, pressure, gravity, and the other forces."""
         half = 0.5 * self.system.h
         return {
             "signal": way_limit(cfl * half, measure.pace + self.system.boundary.speed),
+            "pressure": pressure_limit(cfl * half, measure.pressure_max, self.system.spec.rest_density),
             "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
         } | self.momentum.step_limits()
+
+    @property
+    def deep(self) -> float:
+        """Layers of particles one above the other over LAYERS, and at least 1.
+
+        The mean compression that a step may leave is divided by this, since it adds up from the ground to the surface,
+        which falls by all of it; the most iterations are multiplied, since each takes pressures one layer further.
+        """
+        return max(1.0, self.system.measured.height / (LAYERS * self.system.spec.spacing))
+
+    @property
+    def most_iterations(self) -> int:
+        """Of one system of equations."""
+        return int(self.settings.max_iterations * self.deep)
 
     def start(self) -> None:
         """Find densities and forces of the initial state, or of one that an event has changed."""

@@ -35,6 +35,17 @@ def way_limit(way: float, pace: float) -> float:
     return way / pace if pace > 0 else math.inf
 
 
+def pressure_limit(way: float, pressure: float, density: float) -> float:
+    """The step [s] in which sqrt(p / rho) goes 1.25 times the `way` [m]; pressure [Pa].
+
+    Under a pressure p, particles of a lattice swing about their places, however pressures are found. The fastest wave
+    that keeps densities is as short as two spacings; its frequency is 2.92 sqrt(p / rho) over the spacing
+    (`tests/verification/test_pressed_lattice.py`), so that symplectic Euler is stable up to 0.69 spacings of
+    sqrt(p / rho) in a step. The CFL number 0.4 makes that 0.5.
+    """
+    return 1.25 * way * math.sqrt(density / pressure) if pressure > 0 else math.inf
+
+
 LIGHT = 25.0
 """From here on pressure throws bodies back in a step of sound: half of what was found with boxes and plates."""
 

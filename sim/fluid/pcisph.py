@@ -63,7 +63,7 @@ class Pcisph(Incompressible):
         tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
         _begin(system.count, particles.position, particles.push, particles.solid)
         bodies = system.bodies
-        for iteration in range(1, settings.max_iterations + 1):
+        for iteration in range(1, self.most_iterations + 1):
             _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
             if bodies:
                 bodies.answer(dt, beside_expected=True)

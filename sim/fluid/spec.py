@@ -131,7 +131,8 @@ class Incompressible(Settings):
     rest; 0.0005 is faster and does for a splash."""
     min_iterations: Annotated[int, Ge(1), Le(1000)] = 2
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 100
-    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
+    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json. Fluid deeper
+    than 25 layers of particles may take as many more as it is deeper."""
 
 
 class Pcisph(Incompressible):
@@ -145,7 +146,8 @@ class Dfsph(Incompressible):
     """Settings of divergence-free SPH (Bender & Koschier 2017)."""
 
     divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
-    """Mean compression in one step by the velocities after it, as a share of the rest density."""
+    """Mean compression in one step by the velocities after it, as a share of the rest density; less by as much as the
+    fluid is deeper than 25 layers of particles."""
     hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 3.0
     """Rate at which differences of velocity between neighbours fade that no smooth flow has, over sqrt(g / spacing): 0
     lets particles at rest tremble, more than the default slows what is only some spacings large."""

@@ -1,5 +1,6 @@
 """The fluid's particles and their surroundings: what every pressure solver shares."""
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -27,7 +28,7 @@ PARTICLES = (
     Declared("known", "real", "what solids added before they were listed anew, and 1; or nothing", saved=False),
 )
 
-ROW = 17
+ROW = 21
 """Numbers of a block of particles that a measure is made of."""
 
 
@@ -45,6 +46,9 @@ class Measure:
     density_max: float
     crowding_max: float
     """As density_max, but of what solids add no more than a particle alone has of them at rest [kg/m^3]."""
+    pressure_max: float
+    height: float
+    """Along gravity, of a block of fluid whose heights vary as those of all particles do that do not fall alone [m]."""
     compression_sum: float
     not_finite: int
     beyond_walls: int
@@ -53,7 +57,7 @@ class Measure:
     """Particles that have left the scene for good."""
 
 
-STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0, 0, 0, 0, 0)
+STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0)
 """The measure of no particles at all."""
 
 
@@ -314,6 +318,8 @@ class FluidSystem:
             too_fast=int(total[14]),
             fallen=int(total[15]),
             crowding_max=float(peak[16]),
+            pressure_max=self.spec.rest_density**2 * float(peak[17]),
+            height=_height(*total[18:21], float(np.linalg.norm(self.gravity))),
         )
         return self.measured
 
@@ -321,6 +327,14 @@ class FluidSystem:
     def bytes(self) -> int:
         own = self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
         return own + (self.bodies.bytes if self.bodies else 0)
+
+
+def _height(count: float, depth: float, squared: float, gravity: float) -> float:
+    """Of a block whose heights have the variance of so many particles, whose potentials [m^2/s^2] and squares of these
+    are summed up; zero without gravity [m/s^2]."""
+    if not (count and gravity):
+        return 0.0
+    return math.sqrt(12.0 * max(squared / count - (depth / count) ** 2, 0.0)) / gravity
 
 
 @ti.kernel
@@ -356,6 +370,9 @@ def _measure(
             fallen = gravity.dot(x.xyz) + level
             if near[i] > 0 or solids_near[i] > 0 or fallen <= deepest * gravity.norm():
                 row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + way * ti.sqrt(a2)))
+                row[18] += 1.0
+                row[19] += ti.cast(fallen, ti.f64)
+                row[20] += ti.cast(fallen, ti.f64) ** 2
             row[3] += v2
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
@@ -365,6 +382,7 @@ def _measure(
             crowded = v.w - ti.max(share[i].w - alone, 0.0) * rest_density
             row[16] = ti.max(row[16], relieved(crowded, rest_density, excess[i]))
             row[11] += ti.max(density / rest_density - 1.0, 0.0)
+            row[17] = ti.max(row[17], x.w)
             finite = (
                 ti.abs(v2) < 1e30
                 and ti.abs(a2) < 1e30

@@ -1,0 +1,67 @@
+"""Water many layers deep, as in a vase or a pool with fine particles: pressure grows with depth, errors add up."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.in_time import in_time
+from tests.particles import positions, read_frame, velocities
+
+SPACING, WIDE = 0.00625, 16
+G = 9.81
+FAST = np.sqrt(G * SPACING)
+"""Speed of a fall over half a spacing [m/s]: particles find their places, and nothing else moves."""
+
+
+def still_column(solver: str, layers: int, **fluid):
+    """A tank of so many layers, as wide as WIDE of them."""
+    side, depth = WIDE * SPACING, layers * SPACING
+    water = {"shape": {"type": "box", "size": [side, depth, side]}, "position": [0, depth / 2, 0]}
+    return {
+        "fps": 50,
+        "containers": {"tank": {"type": "box", "size": [side, 1.25 * depth, side]}},
+        "fluid": {"solver": solver, "particle_radius": SPACING / 2, "bodies": {"water": water}} | fluid,
+    }
+
+
+def stands(out, last: int, depth: float) -> None:
+    """Nothing was repeated, the level is kept to a spacing, and particles on the whole do not move."""
+    counts = json.loads((out / "summary.json").read_text())["counts"]
+    assert (counts["retries"], counts["steps_repeated"]) == (0, 0)
+    frame = read_frame(out, last)
+    height, speed = positions(frame)[:, 1], np.linalg.norm(velocities(frame), axis=1)
+    assert 2 * height.mean() == pytest.approx(depth, abs=SPACING)
+    assert np.sqrt((speed**2).mean()) < FAST
+
+
+@pytest.mark.parametrize(
+    ("solver", "layers"),
+    [("dfsph", 64), *in_time(("wcsph", 64), ("iisph", 64), ("dfsph", 96), ("dfsph", 128), ("iisph", 128))],
+)
+def test_a_deep_column_stands(simulate, solver, layers):
+    stands(simulate(still_column(solver, layers), 8), 8, layers * SPACING)
+
+
+@pytest.mark.slow
+def test_a_deep_pool_with_a_stone_in_it_stands(simulate):
+    """70 layers, and a ball of 12 spacings that lies on the ground."""
+    scene = still_column("dfsph", 70)
+    stone = {"shape": {"type": "sphere", "radius": 6 * SPACING}, "position": [0, 6 * SPACING, 0], "density": 2500}
+    scene["rigid"] = {"bodies": {"stone": stone | {"motion": "dynamic"}}}
+    out = simulate(scene, 25)
+    counts = json.loads((out / "summary.json").read_text())["counts"]
+    assert (counts["retries"], counts["steps_repeated"]) == (0, 0)
+    frame = read_frame(out, 25)
+    assert positions(frame)[:, 1].max() == pytest.approx((70 - 0.5) * SPACING, abs=SPACING)
+    assert np.sqrt((velocities(frame) ** 2).sum(axis=1).mean()) < FAST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("cfl", "stable"), [(0.44, True), (1.0, False)])
+def test_a_deep_column_breaks_beyond_the_frequency_of_its_lattice(simulate, cfl, stable):
+    """At cfl 1 steps are as long as falling allows: 0.8 spacings of sqrt(p / rho), where 0.69 is stable."""
+    scene = still_column("dfsph", 64) | {"step": {"cfl": cfl}}
+    out = simulate(scene, 8, expect=0 if stable else 3)
+    if stable:
+        stands(out, 8, 64 * SPACING)
