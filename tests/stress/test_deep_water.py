@@ -60,8 +60,8 @@ def test_a_deep_pool_with_a_stone_in_it_stands(simulate):
 @pytest.mark.slow
 @pytest.mark.parametrize(("cfl", "stable"), [(0.44, True), (1.0, False)])
 def test_a_deep_column_breaks_beyond_the_frequency_of_its_lattice(simulate, cfl, stable):
-    """At cfl 1 steps are as long as falling allows: 0.8 spacings of sqrt(p / rho), where 0.69 is stable."""
-    scene = still_column("dfsph", 64) | {"step": {"cfl": cfl}}
-    out = simulate(scene, 8, expect=0 if stable else 3)
-    if stable:
-        stands(out, 8, 64 * SPACING)
+    """0.69 spacings of sqrt(p / rho) in a step are stable: 0.55 here, or 0.98, as far as falling allows."""
+    scene = still_column("dfsph", 96) | {"step": {"cfl": cfl}}
+    out = simulate(scene, 4)
+    counts = json.loads((out / "summary.json").read_text())["counts"]
+    assert (counts["retries"] == 0) == stable
