@@ -7,6 +7,7 @@ import pytest
 
 from tests.in_time import in_time
 from tests.particles import positions, read_frame, velocities
+from tests.stress.scenes import contents
 
 SPACING, WIDE = 0.00625, 16
 G = 9.81
@@ -37,10 +38,20 @@ def stands(out, last: int, depth: float) -> None:
 
 @pytest.mark.parametrize(
     ("solver", "layers"),
-    [("dfsph", 64), *in_time(("wcsph", 64), ("iisph", 64), ("dfsph", 96), ("dfsph", 128), ("iisph", 128))],
+    [("dfsph", 96), *in_time(("wcsph", 64), ("iisph", 64), ("dfsph", 64), ("dfsph", 128), ("iisph", 128))],
 )
 def test_a_deep_column_stands(simulate, solver, layers):
     stands(simulate(still_column(solver, layers), 8), 8, layers * SPACING)
+
+
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("iisph")])
+def test_two_parts_are_the_whole(simulate, solver):
+    """What depth asks for is known from a state alone, byte for byte."""
+    made = still_column(solver, 40)
+    whole = simulate(made, 4, "whole")
+    first = simulate(made, 2, "first")
+    second = simulate(made, 4, "second", first=3, state=first / "state_00002.npz")
+    assert contents(second, "state_00004.npz") == contents(whole, "state_00004.npz")
 
 
 @pytest.mark.slow
