@@ -47,6 +47,7 @@ class Measure:
     crowding_max: float
     """As density_max, but of what solids add no more than a particle alone has of them at rest [kg/m^3]."""
     pressure_max: float
+    """No more than makes water as fast as it can be in the scene: where nothing gives way, pressures grow at will."""
     height: float
     """Along gravity, of a block of fluid whose heights vary as those of all particles do that do not fall alone [m]."""
     compression_sum: float
@@ -318,7 +319,7 @@ class FluidSystem:
             too_fast=int(total[14]),
             fallen=int(total[15]),
             crowding_max=float(peak[16]),
-            pressure_max=self.spec.rest_density**2 * float(peak[17]),
+            pressure_max=self.spec.rest_density * min(self.spec.rest_density * float(peak[17]), 0.5 * speed_limit**2),
             height=_height(*total[18:21], float(np.linalg.norm(self.gravity))),
         )
         return self.measured
