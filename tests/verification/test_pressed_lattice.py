@@ -9,7 +9,7 @@ from sim.fluid.kernel import cubic_slope_host, lattice, particle_mass
 from sim.fluid.limits import pressure_limit
 
 SUPPORT = 2.0
-"""In spacings, as everywhere."""
+"""In spacings, by default."""
 CFL = 0.4
 
 

@@ -74,14 +74,14 @@ def test_a_column_stands_still_for_a_minute(tmp_path, solver):
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ITERATIVE)
 def test_a_tall_column_keeps_its_height_and_counts_what_it_could_not_do(tmp_path, solver):
-    """5 x 5 x 100 particles, 20 times as high as wide, from a start without pressures: 4 times as many iterations as 25
-    layers may take."""
+    """5 x 5 x 100 particles, 20 times as high as wide, from a start without pressures: they may take 4 times as many
+    iterations as 25 layers."""
     height = 5.0
-    out = run(column(solver, height), tmp_path, 3)
+    out = run(column(solver, height, max_iterations=25), tmp_path, 3)
     last, told = steps(out), counts(out)
     print(f"{solver}: height {height_over(out, 3, height):.4f}, {told}")
     assert height_over(out, 3, height) == pytest.approx(1.0, abs=0.01)
-    capped = (last["pressure_iterations"] >= 400).sum()
+    capped = (last["pressure_iterations"] >= 100).sum()
     assert told["steps_capped"] >= capped
 
 
