@@ -13,8 +13,7 @@ pytestmark = pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_default_is_at_most_half_of_what_is_stable(name):
     limit = limits()[name]
-    found, _ = limit.find()
-    assert limit.room(found) >= 2
+    assert limit.stable(limit.default / 2 if limit.least else 2 * limit.default)
 
 
 def test_explicit_cloth_breaks_where_its_highest_frequency_says():
