@@ -7,9 +7,6 @@ Within a period the numbering is linear with x running fastest, so that the cell
 the fine division along x lets a search skip the ends of the rows that its sphere does not reach.
 """
 
-from typing import Protocol
-
-import numpy as np
 import taichi as ti
 
 from sim.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
@@ -47,16 +44,8 @@ def periods_for(count: int) -> tuple[int, int, int]:
     return period[0], period[1], period[2]
 
 
-class Cells(Protocol):
-    """Points sorted by cell: those of cell c are start[c] up to, without, start[c + 1]."""
-
-    radius: float
-    periods: tuple[int, int, int]
-    start: ti.Ndarray
-
-
 class HashGrid:
-    """Cells of points that move."""
+    """Points sorted by cell: those of cell c are start[c] up to, without, start[c + 1]."""
 
     def __init__(self, count: int, radius: float):
         self.radius = radius
@@ -113,7 +102,7 @@ class NeighborList:
         self.size = ti.ndarray(ti.i32, rows)
         self.index = ti.ndarray(ti.i32, (rows, self.capacity))
 
-    def build(self, position: ti.Ndarray, count: int, cells: Cells, other: ti.Ndarray, *, same: bool) -> None:
+    def build(self, position: ti.Ndarray, count: int, cells: HashGrid, other: ti.Ndarray, *, same: bool) -> None:
         """List the `other` points, sorted into `cells`, within their radius of each particle.
 
         `same`: the others are the particles themselves; none is in its own list, but pads it.
@@ -154,29 +143,6 @@ class NeighborList:
     @property
     def bytes(self) -> int:
         return 4 * self._rows * (self.capacity + 1)
-
-
-class StaticGrid:
-    """Cells of points that never move: sorted once, on the host.
-
-    points: positions [m], shape [n, 3]; `order` brings them into the order of the cells.
-    """
-
-    def __init__(self, points: np.ndarray, radius: float):
-        self.radius = radius
-        self.periods = periods_for(len(points))
-        px, py, pz = self.periods
-        at = np.floor(points.astype(np.float32) * (np.float32(1.0 / radius) * np.array([SLICES, 1, 1], np.float32)))
-        at = at.astype(np.int64) & (np.array([px * SLICES, py, pz]) - 1)
-        key = (at[:, 2] * py + at[:, 1]) * px * SLICES + at[:, 0]
-        self.order = np.argsort(key, kind="stable")
-        starts = np.searchsorted(key[self.order], np.arange(px * SLICES * py * pz + 2), side="left")
-        self.start = ti.ndarray(ti.i32, len(starts))
-        self.start.from_numpy(starts.astype(np.int32))
-
-    @property
-    def bytes(self) -> int:
-        return 4 * self.start.shape[0]
 
 
 @ti.kernel

@@ -14,8 +14,7 @@ from scipy.spatial import cKDTree
 
 from sim.fluid.kernel import cubic_slope_host, particle_mass
 from sim.fluid.settling import LONGEST, LOOKS, MOMENTUM, SUPPORT, bounded, gathered
-from sim.geometry.filling import fill, outermost, particle_number
-from sim.geometry.sampling import check_number
+from sim.geometry.filling import check_number, fill, outermost, particle_number
 from sim.geometry.solids import Solid
 
 PERIOD = 12

@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 
-from sim.geometry.sampling import check_number
 from sim.geometry.solids import BoxSolid, CylinderSolid, Solid
 from sim.settings import Refused
 
@@ -15,6 +14,8 @@ EDGE_TOLERANCE = 1e-3
 """Share of the spacing by which an edge may miss a multiple of it: lengths are typed with few digits."""
 UNLIKE = 0.1
 """A lattice whose number of points inside is off by more than this share is taken with another step."""
+_MOST_POINTS = 500_000_000
+"""Beyond which memory runs out long before a film would be done."""
 _HALVINGS = 20
 _GOLDEN = (math.sqrt(5) - 1) / 2
 
@@ -55,6 +56,17 @@ def particle_number(solid: Solid, spacing: float) -> int:
             remedy=f"Make the shape larger, or use a particle_radius below {solid.volume ** (1 / 3) / 2:.3g} m",
         )
     return number
+
+
+def check_number(number: float, spacing: float) -> None:
+    """Raises `Refused` for more points than memory holds."""
+    if not spacing > 0:
+        raise ValueError(f"spacing must be positive, got {spacing}")
+    if number > _MOST_POINTS:
+        raise Refused(
+            f"{number:.3g} points at a spacing of {spacing:.4g} m are more than memory holds",
+            remedy="Make the particle radius larger or the shape smaller",
+        )
 
 
 def outermost(depth: np.ndarray, number: int, unit: float) -> np.ndarray:

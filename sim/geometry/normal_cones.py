@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.geometry.scatter import SHARP
+from sim.geometry.edges import SHARP
 
 if TYPE_CHECKING:
     import trimesh

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.geometry import cache, distance, edges, fields, normal_cones, scatter, thinning, winding
+from sim.geometry import cache, distance, edges, fields, normal_cones, thinning, winding
 from sim.geometry.fields import GRID, PLANE
 from sim.geometry.primitives import primitive
 from sim.geometry.solids import MeshSolid, Solid
@@ -143,7 +143,7 @@ def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
         lambda: _measured(local - middle, faces, cell),
         arguments={"cell": cell, "rim": RIM},
         arrays=[local, faces],
-        sources=[__file__, *(used.__file__ for used in (distance, edges, normal_cones, scatter, thinning, winding))],
+        sources=[__file__, *(used.__file__ for used in (distance, edges, normal_cones, thinning, winding))],
         packages=("numpy", "scipy", "trimesh"),
     )
     features = Features()

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 
-def listed(ti, points: np.ndarray, others: np.ndarray | None, h: float) -> list[set[int]]:
+def listed(points: np.ndarray, others: np.ndarray | None, h: float) -> list[set[int]]:
     """Neighbour sets by former index, as the hash grid finds them."""
     from sim.arrays import Declared, Particles
-    from sim.neighbors import HashGrid, NeighborList, StaticGrid
+    from sim.neighbors import HashGrid, NeighborList
 
     particles = Particles([Declared("position", "vec4", "m"), Declared("tag", "vec2i", "")], 0)
     tags = np.column_stack((np.arange(len(points)), np.zeros(len(points)))).astype(np.int32)
@@ -23,11 +23,12 @@ def listed(ti, points: np.ndarray, others: np.ndarray | None, h: float) -> list[
         lists.build(particles.position, len(points), grid, particles.position, same=True)
         names = former
     else:
-        static = StaticGrid(others, h)
-        samples = ti.ndarray(ti.types.vector(4, ti.f32), len(others))
-        samples.from_numpy(np.column_stack((others[static.order], np.zeros(len(others)))).astype(np.float32))
-        lists.build(particles.position, len(points), static, samples, same=False)
-        names = static.order
+        there = Particles([Declared("position", "vec4", "m")], 0)
+        there.load({"position": np.column_stack((others, np.zeros(len(others)))).astype(np.float32)})
+        cells = HashGrid(len(others), h)
+        names = cells.sort(there.position, len(others)).to_numpy()[: len(others)]
+        there.reorder(cells.order)
+        lists.build(particles.position, len(points), cells, there.position, same=False)
     size, index = lists.size.to_numpy(), lists.index.to_numpy()
     found: list[set[int]] = [set()] * len(points)
     for row in range(len(points)):
@@ -50,18 +51,18 @@ CLOUDS = {
 
 
 @pytest.mark.parametrize("cloud", CLOUDS)
-@pytest.mark.parametrize("against_boundary", [False, True])
-def test_finds_exactly_the_pairs_in_the_support(taichi, cloud, against_boundary):
+@pytest.mark.parametrize("others_than_itself", [False, True])
+def test_finds_exactly_the_pairs_in_the_support(taichi, cloud, others_than_itself):
     rng = np.random.default_rng(1)
     h = 0.1
     points = CLOUDS[cloud](rng).astype(np.float32).astype(np.float64)
     others = None
-    if against_boundary:
+    if others_than_itself:
         others = (points[rng.integers(0, len(points), 150)] + rng.normal(size=(150, 3)) * 0.05).astype(np.float32)
     target = points if others is None else others.astype(np.float64)
     expected = cKDTree(points).query_ball_tree(cKDTree(target), h * (1 + 1e-6))
     certain = cKDTree(points).query_ball_tree(cKDTree(target), h * (1 - 1e-6))
-    for i, (found, most, least) in enumerate(zip(listed(taichi, points, others, h), expected, certain, strict=True)):
+    for i, (found, most, least) in enumerate(zip(listed(points, others, h), expected, certain, strict=True)):
         itself = {i} if others is None else set()
         assert set(least) - itself <= found <= set(most) - itself
 

@@ -56,10 +56,6 @@ class Layers:
         turns = np.random.default_rng(0).uniform(-UNEVEN, UNEVEN, (sum(counts), 3))
         self._shift = self.part_of_point[:, None] * SHIFT + turns
 
-    @property
-    def part_of_triangle(self) -> np.ndarray:
-        return np.repeat(np.arange(self.parts), np.diff(self._first))
-
     def cross(self, places: np.ndarray, *, flat: np.ndarray | None = None) -> Crossings:
         """All crossings with points at `places` [m], shape [n, 3]; none where a shift by rounding would undo them all.
 

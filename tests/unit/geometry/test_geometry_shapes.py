@@ -7,7 +7,6 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.geometry.offset import inset
 from sim.geometry.shapes import load_mesh, place, tessellate
 from sim.geometry.solids import vertex_colors
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
@@ -260,22 +259,6 @@ def test_bunny_answers_like_trimesh(random):
     near = np.abs(reference) < 0.03
     assert near.any()
     np.testing.assert_allclose(solid.signed_distance(few[near]), reference[near], atol=1e-6)
-
-
-@pytest.mark.parametrize("distance", [0.1, -0.1])
-def test_an_inset_box_is_a_smaller_box(distance):
-    """Planes n.x = a become n.x = a - distance, so edges shorten by twice that."""
-    box = trimesh.creation.box(extents=(1, 2, 3))
-    moved = inset(box, distance)
-    np.testing.assert_allclose(np.abs(moved.vertices), np.abs(box.vertices) - distance, atol=1e-12)
-
-
-def test_an_inset_ball_is_a_smaller_ball():
-    """Faces of size e lie e^2 / 8 r nearer than their corners, and so does what is moved along their normals."""
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=1.0)
-    moved = np.linalg.norm(inset(ball, 0.1).vertices, axis=1)
-    size = ball.edges_unique_length.max()
-    np.testing.assert_allclose(moved, 0.9, atol=size**2 / 8)
 
 
 @pytest.mark.parametrize("repair", [True, False])
