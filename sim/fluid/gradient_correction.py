@@ -26,9 +26,8 @@ import taichi as ti
 
 from sim.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import felt_velocity, relieved
 from sim.fluid.boundary.half_space import along_faces, lacking_along
-from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import matrix
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
 from sim.fluid.limits import fall_limit
@@ -69,6 +68,7 @@ def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) 
         system.count,
         dt,
         _share_back(system, dt),
+        system.spec.spacing,
         system.h,
         system.mass,
         system.spec.rest_density,
@@ -137,6 +137,7 @@ def _compression_rates(
     count: ti.i32,
     dt: real,
     back: real,
+    spacing: real,
     h: real,
     mass: real,
     rest_density: real,
@@ -208,7 +209,8 @@ def _compression_rates(
         for e in range(begin[i], last):
             one = face_pull(face[e], face_weight[e], lens, inverse_h)
             gradient += one
-            rate += one.dot(v.xyz - surface_velocity(solid_of[e], x + dt * v.xyz, pose))
+            there = x + dt * v.xyz
+            rate += one.dot(v.xyz - felt_velocity(e, there, begin[i], last, solid_of, face, pose, spacing))
             pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
         if ti.static(has_samples):
             there = x + dt * v.xyz

@@ -44,6 +44,38 @@ def two_boxes(seed: int) -> dict[str, Any]:
     }
 
 
+D, SPEED = 2.5e-3, 0.5
+"""Spacing [m] of the scenes in which bodies land, and how fast they do [m/s]."""
+LANDING = {
+    "slab": ({"type": "box", "size": [0.04, 0.01, 0.02]}, 0.01, 0.02),
+    "plate": ({"type": "box", "size": [0.04, 0.005, 0.04]}, 0.005, 0.04),
+    "cube": ({"type": "box", "size": [0.02, 0.02, 0.02]}, 0.02, 0.02),
+    "can": ({"type": "cylinder", "radius": 0.012, "height": 0.012}, 0.012, 0.024),
+    "ball": ({"type": "sphere", "radius": 0.01}, 0.02, 0.02),
+}
+"""Shape, height and width [m] of each."""
+
+
+def landing(name: str, solver: str) -> dict[str, Any]:
+    """A stone body, a few layers above the floor of a small tank of water, askew by a degree."""
+    shape, height, _ = LANDING[name]
+    water = {"shape": {"type": "box", "size": [0.065, 0.075, 0.065]}, "position": [0, 0.0375, 0]}
+    body = {
+        "shape": shape,
+        "position": [0.3 * D, height / 2 + 4 * D, -0.2 * D],
+        "rotation": [{"axis": [1, 1, -1], "angle": 1}],
+        "density": 2500,
+        "velocity": [0, -SPEED, 0],
+        "motion": "dynamic",
+    }
+    return {
+        "fps": 200,
+        "containers": {"tank": {"type": "box", "size": [0.065, 0.11, 0.065]}},
+        "fluid": {"solver": solver, "particle_radius": D / 2, "bodies": {"water": water}},
+        "rigid": {"bodies": {"body": body}},
+    }
+
+
 SHAPES = {
     "box": lambda random: {"size": [float(x) for x in random.uniform(0.06, 0.12, 3)]},
     "sphere": lambda random: {"radius": float(random.uniform(0.03, 0.06))},
@@ -135,3 +167,19 @@ def test_ice_falls_into_a_glass_without_a_frame_repeated(simulate, tmp_path, wal
     out = simulate({"fps": 50, "fluid": fluid, "rigid": {"bodies": bodies}}, 50)
     assert_nothing_broken(out)
     assert frames_repeated(out) == 0
+
+
+@pytest.mark.outcome("A")
+@pytest.mark.parametrize(
+    ("solver", "name"), [("dfsph", "slab"), *in_time(*(("dfsph", name) for name in LANDING if name != "slab"))]
+)
+def test_a_body_lands_under_water_and_squeezes_it_out_as_fast_as_it_must(simulate, solver, name):
+    """The last layer, d thick, leaves from under a width L at V L / 2 d, by continuity. It was shot out at twenty times
+    the speed V of the body, and half of these scenes stopped."""
+    out = simulate(landing(name, solver), 24)
+    assert_nothing_broken(out)
+    assert frames_repeated(out) == 0
+    width = LANDING[name][2]
+    assert read_table(out / "steps.csv")["v_max"].max() < SPEED * width / (2 * D)
+    fallen = read_table(out / "bodies.csv")
+    assert fallen["y"][-1] < LANDING[name][1] / 2 + 0.5 * D, "it has not landed"

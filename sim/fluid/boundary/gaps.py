@@ -27,6 +27,9 @@ CENTRED, LEAD, LED = 0.2, 2.0, 0.15
 so many spacings while it has to go one; and from so many spacings of slack on."""
 PACE, PRESSED = 0.15, 0.05
 """Slack falls at this share of a particle's pace, less where it is compressed, and not at all from this compression."""
+FULL = 1.001
+"""Spacings between two half-spaces, with the slack that what is between them has, up to which there is a single layer:
+no less is left for it."""
 TIGHTEST = 0.5
 """Spacings of a gap under which what is caught does not get any denser."""
 
@@ -111,6 +114,27 @@ def led(
             speed = face[e].xyz.dot(along - surface_velocity(solid[e], x, pose))
             along += stopped * ti.max(out - speed, 0.0) * face[e].xyz
     return along
+
+
+@ti.func
+def felt_velocity(
+    e: ti.i32,
+    x: vec3,
+    first: ti.i32,
+    last: ti.i32,
+    solid: IntArray,
+    face: Vec4Array,
+    pose: DoubleTable,
+    spacing: real,
+) -> vec3:
+    """The velocity [m/s] of a half-space as fluid at x feels it. In a gap narrower than a layer it is what both sides
+    have in common: the layer there gets denser while they close, and would be squeezed out without need."""
+    found = surface_velocity(solid[e], x, pose)
+    for other in range(first, last):
+        opposed = solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz)
+        if opposed and face[e].w + face[other].w < FULL * spacing:
+            found = 0.5 * (surface_velocity(solid[e], x, pose) + surface_velocity(solid[other], x, pose))
+    return found
 
 
 @ti.func
