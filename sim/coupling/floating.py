@@ -1,7 +1,7 @@
 """Bodies that the fluid moves: what passes between them and a pressure solver in the course of a step.
 
 Solvers that look for pressures ask three times. What is known before, gravity, friction, contacts and the pressures of
-the last step, takes bodies to where their samples are when pressures are looked for; those found act on them in place
+the last step, takes bodies to where they are when pressures are looked for; those found act on them in place
 of the last step's, by the equations that `sim.fluid.reaction` adds, as if nothing but the fluid held them; and the step
 is made with these, contacts and all. What rests, or is held, so gives way to no more than the change of its pressures.
 Where pressures follow from positions (WCSPH), bodies step as particles do, by velocity Verlet.
@@ -62,8 +62,8 @@ class Floating:
         self._weigh(self._here)
 
     def begin(self, movements: Mapping[int, Movement]) -> None:
-        """A step begins after which prescribed bodies are at these `movements`, by index; samples of theirs are aimed
-        there already."""
+        """A step begins after which prescribed bodies are at these `movements`, by index; in the boundary these
+        are aimed there already."""
         self._movements = movements
 
     def hear(self, momentum: Momentum) -> None:

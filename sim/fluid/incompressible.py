@@ -23,7 +23,7 @@ class Incompressible:
 
     ARRAYS: ClassVar[tuple[Declared, ...]]
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]]
-    """What is kept besides where solids have samples, for the force on them."""
+    """What is kept besides where there are samples of sheets, for the force on them."""
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""

@@ -77,13 +77,13 @@ class Bodies(Protocol):
     """Mass of the fluid's layer around it over its own, where it is lightest."""
 
     def list(self) -> None:
-        """List the particles near each sample, as the particles' lists are made."""
+        """Find what of them is near the particles, as the particles' lists are made."""
 
     def hear(self, momentum: "Momentum") -> None:
         """Note the forces that positions and velocities give, to act in the step."""
 
     def foresee(self, dt: float) -> None:
-        """Bring samples to where they will be after the step, by what is known before its pressures."""
+        """Bring them to where they will be after the step, by what is known before its pressures."""
 
     def expect(self, dt: float) -> None:
         """Take from the source of the pressures what has been foreseen by those of the last step."""
@@ -100,7 +100,7 @@ class Bodies(Protocol):
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""
 
     def take(self, dt: float) -> None:
-        """Let the forces noted last act in the step, and move samples to where they take them."""
+        """Let the forces noted last act in the step, and move what they act on to where they take it."""
 
     def hold(self, dt: float) -> None:
         """Let what is held along surfaces by the pressures in position.w act in the step, in place of what the last
@@ -110,12 +110,10 @@ class Bodies(Protocol):
         """Take back what was taken last."""
 
     def settle(self, dt: float) -> dict[str, float]:
-        """Make the step with what was noted and taken, and bring samples to where they are then; returns its
-        statistics."""
+        """Make the step with what was noted and taken; returns its statistics."""
 
     def drift(self, dt: float) -> dict[str, float]:
-        """Make the step with half of the last forces, and bring samples to where they are then; returns its
-        statistics."""
+        """Make the step with half of the last forces; returns its statistics."""
 
     def strike(self, dt: float, momentum: "Momentum") -> None:
         """Change velocities by half of the forces that positions and velocities give now, and remember them."""

@@ -245,7 +245,7 @@ def test_implicit_viscosity_slows_as_explicit_does(simulate):
 @pytest.mark.slow
 def test_a_ball_turns_in_thick_fluid_as_fast_as_its_torque_makes_it(simulate):
     """T = 8 pi mu omega / (1 / R^3 - 1 / b^3) within a sphere of radius b (Lamb 1932, sec. 334), here of a cube's half
-    edge: to the first order of the spacing over R, a sixth, since samples lie below the surface."""
+    edge: to the first order of the spacing over R, a sixth: friction acts between centres of particles."""
     radius, half, viscosity = 0.06, 0.15, 0.1
     torque = 8 * np.pi * RHO * viscosity / (1 / radius**3 - 1 / half**3)
     body = {

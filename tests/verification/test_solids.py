@@ -68,7 +68,7 @@ def test_the_impulse_of_an_impact_is_what_all_its_pressures_give(simulate, solve
     """sum m (v0 - v1) = sum over the steps of the force on the body times dt.
 
     At this speed a step presses particles so far that they are looked at twice, and pressed twice. The lists of the
-    solver are those of the start of a step, without the samples that come into reach during it: hence the tolerance.
+    solver are those of the start of a step, without what comes into reach during it: hence the tolerance.
     """
     r, speed = 0.01, 4.0
     drop = {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "position": [0, 0.11, 0], "velocity": [0, -speed, 0]}

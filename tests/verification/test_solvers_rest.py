@@ -88,7 +88,7 @@ def test_a_tall_column_keeps_its_height_and_counts_what_it_could_not_do(tmp_path
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_floor_bears_the_weight(tmp_path, solver):
-    """Mean pressure on the floor = rho g H, from the force on the samples of a plate under a shaft without bottom."""
+    """Mean pressure on the floor = rho g H, from the force on a plate under a shaft without bottom."""
     width, height, d = 0.4, 0.4, 0.04
     plate = {
         "shape": {"type": "box", "size": [width + 8 * d, 0.2, width + 8 * d]},
