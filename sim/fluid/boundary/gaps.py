@@ -129,11 +129,12 @@ def felt_velocity(
 ) -> vec3:
     """The velocity [m/s] of a half-space as fluid at x feels it. In a gap narrower than a layer it is what both sides
     have in common: the layer there gets denser while they close, and would be squeezed out without need."""
-    found = surface_velocity(solid[e], x, pose)
+    own = surface_velocity(solid[e], x, pose)
+    found = own
     for other in range(first, last):
         opposed = solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz)
         if opposed and face[e].w + face[other].w < FULL * spacing:
-            found = 0.5 * (surface_velocity(solid[e], x, pose) + surface_velocity(solid[other], x, pose))
+            found = 0.5 * (own + surface_velocity(solid[other], x, pose))
     return found
 
 
