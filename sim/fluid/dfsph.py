@@ -25,6 +25,9 @@ UNEVEN, UNEVEN_BESIDE_BODIES = 10, 3
 """No particle is left more than this many times as much of the divergence as the mean may be: what begins at one place,
 as where a body is let go, is little in the mean. The force on a body is that of a few particles: it would be uncertain
 by some percent, and a light one that is let go would set off by a fifth too slowly."""
+MEAN_BESIDE_BODIES = 0.1
+"""Of the mean that may be left elsewhere: what changes slowly around a body is little in every particle, and yet it
+is a part of the force on it for some steps."""
 MOST_LOOKS = 5
 """At where particles are, to move them apart: what equations leave out falls by the square of the way."""
 LESS = 0.5
@@ -60,7 +63,11 @@ class Dfsph(Incompressible):
     def press(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance = settings.divergence_error * system.spec.rest_density / self.deep
-        self.divergence.worst = (UNEVEN_BESIDE_BODIES if system.boundary.shapes.bodies else UNEVEN) * tolerance
+        if system.boundary.shapes.bodies:
+            self.divergence.worst = UNEVEN_BESIDE_BODIES * tolerance
+            tolerance *= MEAN_BESIDE_BODIES
+        else:
+            self.divergence.worst = UNEVEN * tolerance
         self.hyperviscosity.apply(dt)
         system.meet(dt)
         compression_rates(system, dt, self.projection.smallest_diagonal)

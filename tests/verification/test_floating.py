@@ -40,16 +40,17 @@ def test_a_cube_under_water_is_lifted_by_the_weight_of_its_volume(simulate):
 
 
 @pytest.mark.slow
-def test_the_lift_of_a_box_is_nearer_with_finer_particles(simulate):
-    """The excess falls with the share of particles that are next to an edge, by the first order."""
-    excess = []
-    for spacing in (0.03, 0.015):
-        body = {"shape": BRICK, "position": [0, 0.21, 0]}
-        probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
-        out = simulate(pool("dfsph", spacing, (0.48, 0.8, 0.48), 0.42, body, probes=probes), 60, f"{spacing}")
-        time, lift = probe(out, "lift", "force_y")
-        excess.append(lift[time > 0.6].mean() / (RHO * G * VOLUME["box"]) - 1)
-    assert 0 < excess[1] < 0.65 * excess[0] < 0.65 * 0.2
+@pytest.mark.parametrize("layers", [4, 4.5, 5, 5.5, 6, 8])
+def test_the_lift_of_a_box_is_right_however_many_layers_it_is_high(simulate, layers):
+    """rho g V within 3 %, as for the cube, whether or not particles fit between its faces and the walls. What is left
+    does not fall with the spacing: it goes with how they fit. After 1.2 s, when the pool no longer swings."""
+    body = {"shape": BRICK, "position": [0, 0.21, 0]}
+    probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
+    out = simulate(pool("dfsph", BRICK["size"][1] / layers, (0.48, 0.8, 0.48), 0.42, body, probes=probes), 120)
+    time, lift = probe(out, "lift", "force_y")
+    error = lift[time > 1.2].mean() / (RHO * G * VOLUME["box"]) - 1
+    print(f"{layers} layers: {error:+.2%}")
+    assert abs(error) < 0.03
 
 
 @pytest.mark.slow
@@ -125,9 +126,12 @@ first order in that, as for one wall (Lamb 1932, sec. 137). What the ground adds
 def test_a_body_let_go_under_water_moves_the_water_too(simulate, ratio):
     """A sphere in an ideal fluid: a = g (1 - s) / (s + 1/2), of which 1/2 is the mass of fluid that it takes along
     (Lamb 1932, sec. 92), and a little more between walls; without that a light one would be many times as fast. At
-    first it sets off so, to half a spacing over the radius; what slows it then counts for more the lighter it is."""
+    first it sets off so, to half a spacing over the radius; what slows it then counts for more the lighter it is.
+
+    What the solver leaves of the divergence, e, may hold up the water by e H / dt^2 at the depth H: 0.06 g by default
+    in the first steps, when pressures are new. That is another error than the spacing's; here it is 0.02 g."""
     body = {"shape": BALL, "position": [0, 0.3, 0], "density": ratio * RHO}
-    ideal = {"viscosity": 0, "wall_slip": "free_slip"}
+    ideal = {"viscosity": 0, "wall_slip": "free_slip", "dfsph": {"divergence_error": 3e-5}}
     event = {"at": 0.4, "set": {"rigid.bodies.body.motion": "dynamic"}}
     out = simulate(pool("dfsph", 0.016, (TANK, 1.2, TANK), 0.6, body, fluid=ideal, events=[event], fps=100), 44)
     speed = track(out, "vy")[41:]
