@@ -10,11 +10,16 @@ import numpy as np
 from sim.coupling.fluid_rigid import allowed
 from sim.geometry.distance import MeshDistance
 from sim.geometry.gaps import Gap
+from sim.geometry.solids import MeshSolid
 from sim.obstacles import Obstacle, Obstacles
 
 if TYPE_CHECKING:
     from sim.cloth.part import PlacedSheet
     from sim.cloth.state import ClothState
+
+
+BENT = 0.5
+"""Cosine of the angle between two faces up to which they meet in an edge."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,31 @@ class Room:
             rows = np.flatnonzero(width < reach)
             found.append(Gap(rows, width[rows], np.tile(wall.normal, (len(rows), 1))))
         return found + [self._to_solid(item, points, reach) for item in self.obstacles.placed]
+
+    def faces(self, points: np.ndarray, reach: float) -> list[Gap]:
+        """The same as `gaps`, and where faces of a mesh meet in a hollow edge or corner those to the others, too."""
+        found = self.gaps(points, reach)
+        meshes = [number for number, item in enumerate(self.obstacles.placed) if isinstance(item.solid, MeshSolid)]
+        bodies = found[len(found) - len(self.obstacles.placed) :]
+        for number in meshes:
+            second = self._beyond_an_edge(number, points, reach, (bodies[number],))
+            found += [second, self._beyond_an_edge(number, points, reach, (bodies[number], second))]
+        return found
+
+    def _beyond_an_edge(self, number: int, points: np.ndarray, reach: float, before: tuple[Gap, ...]) -> Gap:
+        """The gaps to what is nearest from where points come to that are moved off the faces found `before`."""
+        *_, last = before
+        places, taken = points[last.rows].copy(), []
+        for gap in before:
+            at = np.searchsorted(gap.rows, last.rows)
+            places += reach * gap.away[at]
+            taken.append(gap.away[at])
+        seen = self._to_solid(self.obstacles.placed[number], places, 2 * reach)
+        rows = last.rows[seen.rows]
+        width = seen.width + np.einsum("ij,ij->i", points[rows] - places[seen.rows], seen.away)
+        bent = np.all([np.einsum("ij,ij->i", away[seen.rows], seen.away) < BENT for away in taken], axis=0)
+        near = bent & (np.abs(width) < reach)
+        return Gap(rows[near], width[near], seen.away[near])
 
     def _to_solid(self, item: Obstacle, points: np.ndarray, reach: float) -> Gap:
         movement = item.movement(self.time)

@@ -45,6 +45,9 @@ class Room(Protocol):
     def gaps(self, points: np.ndarray, reach: float) -> Sequence[Gap]:
         """The gaps of points [m], shape [n, 3], to everything that is nearer than `reach` [m] or around them."""
 
+    def faces(self, points: np.ndarray, reach: float) -> Sequence[Gap]:
+        """The same, and to every face where those of one solid meet in a hollow edge."""
+
 
 @dataclass(frozen=True)
 class Seed:
@@ -83,7 +86,7 @@ def seed(solid: Solid, filled: np.ndarray, spacing: float, room: Room, present: 
         return [_to_own_surface(solid, places, reach), _to_fluid(present, places, spacing)]
 
     clearance = HALF * spacing, START_CLEARANCE * spacing
-    points = settle(points, moves[kept], present, own, room.gaps, spacing, clearance)
+    points = settle(points, moves[kept], present, own, room.faces, spacing, clearance)
     fits = ~moves[kept]
     fits[~fits] = room.free(points[~fits], START_CLEARANCE * spacing)
     if len(present):
