@@ -146,8 +146,8 @@ class Dfsph(Incompressible):
     """Settings of divergence-free SPH (Bender & Koschier 2017)."""
 
     divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
-    """Mean compression in one step by the velocities after it, as a share of the rest density; less by as much as the
-    fluid is deeper than 25 layers of particles."""
+    """Mean compression in one step by the velocities after it, as a share of the rest density; a tenth of it where
+    there are bodies, and less by as much as the fluid is deeper than 25 layers of particles."""
     hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 3.0
     """Rate at which differences of velocity between neighbours fade that no smooth flow has, over sqrt(g / spacing): 0
     lets particles at rest tremble, more than the default slows what is only some spacings large."""
