@@ -176,12 +176,21 @@ def test_filled_containers_come_to_rest(tmp_path, container):
     assert np.percentile(points[:, 1], 99) < height + 0.5 * D
 
 
-@pytest.mark.parametrize("solver", ["wcsph", *in_time("dfsph", "iisph")])
-def test_a_filled_glass_rests_from_the_start(tmp_path, solver):
-    """Nothing gets faster than a fall by one spacing would make it. Fluid that was set against the edge of the bottom,
-    where it meets two faces, had 1.17 times the density, and WCSPH flung it up at four times that speed."""
-    water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": 0.0985}, "position": [0, 0.04925, 0]}
-    data = scene({"water": water}, {"glass": glass(tmp_path / "glass.ply", 0.4 * D)})
+@pytest.mark.parametrize(
+    ("solver", "lean"), [("wcsph", 0.0), *in_time(("dfsph", 0.0), ("iisph", 0.0), ("wcsph", 0.25), ("wcsph", -0.25))]
+)
+def test_a_filled_glass_rests_from_the_start(tmp_path, solver, lean):
+    """Nothing gets faster than a fall by one spacing would make it, in upright walls and in such that lean out or in.
+    Fluid that was set against the edge of the bottom, where it meets two faces, had 1.17 times the density, and WCSPH
+    flung it up at four times that speed."""
+    height = 0.0985
+    body = glass(tmp_path / "glass.ply", 3 * D)
+    mesh = trimesh.load(tmp_path / "glass.ply")
+    mesh.vertices[:, [0, 2]] *= 1 + lean * mesh.vertices[:, 1:2] / height
+    mesh.export(tmp_path / "glass.ply")
+    radius = RADIUS * (1 + max(lean, 0.0)) + D / 2
+    water = {"shape": {"type": "cylinder", "radius": radius, "height": height}, "position": [0, height / 2, 0]}
+    data = scene({"water": water}, {"glass": body})
     data["fluid"]["solver"] = solver
     out = run(data, tmp_path / "out", 5)
     assert read_frame(out, 0)["density"].max() < 1.05 * 1000
