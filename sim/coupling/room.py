@@ -52,28 +52,22 @@ class Room:
 
     def faces(self, points: np.ndarray, reach: float) -> list[Gap]:
         """The same as `gaps`, and where faces of a mesh meet in a hollow edge or corner those to the others, too."""
-        found = self.gaps(points, reach)
-        meshes = [number for number, item in enumerate(self.obstacles.placed) if isinstance(item.solid, MeshSolid)]
-        bodies = found[len(found) - len(self.obstacles.placed) :]
-        for number in meshes:
-            second = self._beyond_an_edge(number, points, reach, (bodies[number],))
-            found += [second, self._beyond_an_edge(number, points, reach, (bodies[number], second))]
+        found, placed = self.gaps(points, reach), self.obstacles.placed
+        for item, first in zip(placed, found[len(found) - len(placed) :], strict=True):
+            if isinstance(item.solid, MeshSolid):
+                second = self._beyond_an_edge(item, points, reach, (first,))
+                found += [second, self._beyond_an_edge(item, points, reach, (first, second))]
         return found
 
-    def _beyond_an_edge(self, number: int, points: np.ndarray, reach: float, before: tuple[Gap, ...]) -> Gap:
+    def _beyond_an_edge(self, item: Obstacle, points: np.ndarray, reach: float, before: tuple[Gap, ...]) -> Gap:
         """The gaps to what is nearest from where points come to that are moved off the faces found `before`."""
-        *_, last = before
-        places, taken = points[last.rows].copy(), []
-        for gap in before:
-            at = np.searchsorted(gap.rows, last.rows)
-            places += reach * gap.away[at]
-            taken.append(gap.away[at])
-        seen = self._to_solid(self.obstacles.placed[number], places, 2 * reach)
-        rows = last.rows[seen.rows]
-        width = seen.width + np.einsum("ij,ij->i", points[rows] - places[seen.rows], seen.away)
-        bent = np.all([np.einsum("ij,ij->i", away[seen.rows], seen.away) < BENT for away in taken], axis=0)
-        near = bent & (np.abs(width) < reach)
-        return Gap(rows[near], width[near], seen.away[near])
+        met = before[-1].rows
+        taken = [gap.away[np.searchsorted(gap.rows, met)] for gap in before]
+        seen = self._to_solid(item, points[met] + reach * np.sum(taken, axis=0), 2 * reach)
+        turned = [np.einsum("ij,ij->i", away[seen.rows], seen.away) for away in taken]
+        width = seen.width - reach * np.sum(turned, axis=0)
+        near = np.all(np.array(turned) < BENT, axis=0) & (np.abs(width) < reach)
+        return Gap(met[seen.rows[near]], width[near], seen.away[near])
 
     def _to_solid(self, item: Obstacle, points: np.ndarray, reach: float) -> Gap:
         movement = item.movement(self.time)

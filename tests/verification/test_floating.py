@@ -39,18 +39,28 @@ def test_a_cube_under_water_is_lifted_by_the_weight_of_its_volume(simulate):
     assert lift[time > 0.6].mean() == pytest.approx(RHO * G * 0.2**3, rel=0.03)
 
 
+def lift_error(simulate, layers: float) -> float:
+    """Of a box so many layers of particles high, over rho g V: its mean after 1.2 s, when the pool no longer swings."""
+    body = {"shape": BRICK, "position": [0, 0.21, 0]}
+    probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
+    scene = pool("dfsph", BRICK["size"][1] / layers, (0.48, 0.8, 0.48), 0.42, body, probes=probes)
+    time, lift = probe(simulate(scene, 120, f"{layers}"), "lift", "force_y")
+    return lift[time > 1.2].mean() / (RHO * G * VOLUME["box"]) - 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("layers", [4, 4.5, 5, 5.5, 6, 8])
 def test_the_lift_of_a_box_is_right_however_many_layers_it_is_high(simulate, layers):
-    """rho g V within 3 %, as for the cube, whether or not particles fit between its faces and the walls. What is left
-    does not fall with the spacing: it goes with how they fit. After 1.2 s, when the pool no longer swings."""
-    body = {"shape": BRICK, "position": [0, 0.21, 0]}
-    probes = {"lift": {"type": "force", "body": "body", "rate": 500}}
-    out = simulate(pool("dfsph", BRICK["size"][1] / layers, (0.48, 0.8, 0.48), 0.42, body, probes=probes), 120)
-    time, lift = probe(out, "lift", "force_y")
-    error = lift[time > 1.2].mean() / (RHO * G * VOLUME["box"]) - 1
-    print(f"{layers} layers: {error:+.2%}")
-    assert abs(error) < 0.03
+    """rho g V within 3 %, as for the cube, whether or not particles fit between its faces and the walls."""
+    assert abs(lift_error(simulate, layers)) < 0.03
+
+
+@pytest.mark.slow
+@pytest.mark.xfail(strict=True, reason="1.2 and 1.5 % over, by how particles fit, not by their size")
+def test_the_lift_of_a_box_is_nearer_with_finer_particles(simulate):
+    """The excess falls with the share of particles that are next to an edge, by the first order."""
+    excess = [lift_error(simulate, layers) for layers in (4, 8)]
+    assert 0 < excess[1] < 0.65 * excess[0] < 0.65 * 0.2
 
 
 @pytest.mark.slow
