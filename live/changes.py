@@ -13,6 +13,7 @@ from workflow.document import SceneError
 if TYPE_CHECKING:
     import viser
 
+    from live.orders import Orders
     from sim.spec import SimulationSpec
 
 Change = Callable[[dict[str, Any]], None]
@@ -55,11 +56,11 @@ class Changes:
         self,
         gui: viser.GuiApi,
         tab: viser.GuiTabHandle,
-        steer: Callable[[viser.GuiEvent, Callable[[], None]], None],
+        orders: Orders,
         change: Change,
         tell: Callable[[str], None],
     ):
-        self.gui, self.tab, self.steer, self.change, self.tell = gui, tab, steer, change, tell
+        self.gui, self.tab, self.orders, self.change, self.tell = gui, tab, orders, change, tell
         self._folders: list[viser.GuiFolderHandle] = []
         self._fields: dict[str, _Field] = {}
         self._spec: SimulationSpec | None = None
@@ -92,7 +93,7 @@ class Changes:
             typed = [field for field in fields.values() if not field.control.slides]
             if typed:
                 button = self.gui.add_button(f"Set {name}")
-                button.on_click(lambda event: self.steer(event, lambda: self._set(typed)))
+                button.on_click(self.orders.steering(lambda: self._set(typed)))
         return folder
 
     def _add_field(self, control: Control) -> _Field:
@@ -123,7 +124,7 @@ class Changes:
             if waited:
                 time.sleep(PAUSE)
             if field.touched == now:
-                self.steer(event, lambda: self.change({"set": {control.path: field.value}}))
+                self.orders.steer(event, lambda: self.change({"set": {control.path: field.value}}))
 
         for slider in sliders:
             slider.on_update(slid)

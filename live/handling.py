@@ -13,6 +13,7 @@ from sim.cloth.spec import Side
 if TYPE_CHECKING:
     import viser
 
+    from live.orders import Orders
     from live.session import Change, Session
     from sim.spec import SimulationSpec
 
@@ -29,10 +30,10 @@ class Handling:
         self,
         client: viser.ClientHandle,
         session: Session,
-        steer: Callable[[viser.GuiEvent, Callable[[], None]], None],
+        orders: Orders,
         change: Callable[[Change], None],
     ):
-        self.client, self.session, self.steer, self.change = client, session, steer, change
+        self.client, self.session, self.orders, self.change = client, session, orders, change
         self._moved = 0.0
         self._held: str | None = None
         self._gizmo: viser.TransformControlsHandle | None = None
@@ -41,7 +42,7 @@ class Handling:
         with gui.add_folder("Drag a body") as self._bodies:
             self._body = gui.add_dropdown("body", ("",))
             self._drag = gui.add_checkbox("draw it to the handle", False)
-            self._drag.on_update(lambda event: steer(event, self._grasp))
+            self._drag.on_update(orders.steering(self._grasp))
         with gui.add_folder("Pin cloth") as self._sheets:
             self._sheet = gui.add_dropdown("cloth", ("",))
             self._side = gui.add_dropdown("side", get_args(Side))
@@ -72,7 +73,7 @@ class Handling:
             self._let_go()
 
     def _button(self, label: str, action: Callable[[], None]) -> None:
-        self.client.gui.add_button(label).on_click(lambda event: self.steer(event, action))
+        self.client.gui.add_button(label).on_click(self.orders.steering(action))
 
     def _grasp(self) -> None:
         """Take the body in hand, or let go of it."""
@@ -90,7 +91,7 @@ class Handling:
         self._gizmo = self.client.scene.add_transform_controls(
             "/handle", scale=0.2, position=picture.poses[name].position, disable_rotations=True
         )
-        self._gizmo.on_update(lambda event: self.steer(event, self._draw))
+        self._gizmo.on_update(lambda event: self.orders.steer(event, self._draw))
         self._draw()
 
     def _let_go(self) -> None:

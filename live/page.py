@@ -114,14 +114,16 @@ class Page:
                 self._steers = number
         view = View(client)
         take = client.gui.add_button("Take over", hint="steer this simulation yourself", visible=False)
-        take.on_click(lambda event: self._take_over(number))
         uploads = self.session.script.scene.folder / "uploads"
         panel = Panel(client, self.session, view, lambda: self._steers == number, uploads)
+        take.on_click(panel.orders.queued(lambda event: self._take_over(number)))
         view.look_at(self.session.bounds)
         with self._lock:
             self._viewers[number] = Viewer(client, view, panel, take)
             self._show_who_steers()
             self.session.watched = True
+        if number not in self.server.get_clients():
+            self._left(client)
 
     def _left(self, client: viser.ClientHandle) -> None:
         with self._lock:

@@ -13,6 +13,7 @@ from viser import uplot
 
 from live.changes import Changes
 from live.handling import Handling
+from live.orders import Orders
 from live.uploads import MESHES, give_back, keep
 from live.view import COLOURINGS
 from sim.settings import Refused
@@ -39,7 +40,8 @@ class Panel:
     def __init__(
         self, client: viser.ClientHandle, session: Session, view: View, may: Callable[[], bool], uploads: Path
     ):
-        self.client, self.session, self.view, self.may, self.uploads = client, session, view, may, uploads
+        self.client, self.session, self.view, self.uploads = client, session, view, uploads
+        self.orders = Orders(may, self.tell)
         self._shown_spec: Any = None
         self._mesh: Path | None = None
         self._plotted, self._plotted_at = 0.0, 0.0
@@ -49,9 +51,9 @@ class Panel:
         with tabs.add_tab("Play"):
             self._add_player()
             self._add_plots()
-        self._changes = Changes(client.gui, tabs.add_tab("Change"), self._steer, self._change, self.tell)
+        self._changes = Changes(client.gui, tabs.add_tab("Change"), self.orders, self._change, self.tell)
         with tabs.add_tab("Handle"):
-            self._handling = Handling(client, session, self._steer, self._change)
+            self._handling = Handling(client, session, self.orders, self._change)
         with tabs.add_tab("Add") as self._add_tab:
             self._add_shapes()
         with tabs.add_tab("Save"):
@@ -104,7 +106,7 @@ class Panel:
         self._frame = gui.add_slider("frame", 0, 1, 1, 0, hint="to go back to")
         self._button("Go back", lambda: session.go_back(int(self._frame.value)))
         speed = gui.add_slider("speed", 0.0, 2.0, 0.05, 0.0, hint="of real time at most; 0: as fast as it goes")
-        speed.on_update(lambda event: self._steer(event, lambda: session.set_speed(speed.value or None)))
+        speed.on_update(self.orders.steering(lambda: session.set_speed(speed.value or None)))
         colour = gui.add_dropdown("colour", COLOURINGS, initial_value=self.view.colouring)
         colour.on_update(lambda event: self.view.colour_by(colour.value))
 
@@ -194,7 +196,7 @@ class Panel:
 
     def _offer_upload(self, order: float | None) -> None:
         upload = self.client.gui.add_upload_button("Upload a mesh", mime_type=",".join(MESHES), order=order)
-        upload.on_upload(lambda event: self._uploaded(event, upload))
+        upload.on_upload(self.orders.queued(lambda event: self._uploaded(event, upload)))
 
     def _uploaded(self, event: viser.GuiEvent, upload: viser.GuiUploadButtonHandle) -> None:
         """Take what was sent, and hold its bytes no longer than that."""
@@ -202,7 +204,7 @@ class Panel:
         upload.remove()
         with self._add_tab:
             self._offer_upload(order)
-        self._steer(event, lambda: self._keep(file))
+        self.orders.steer(event, lambda: self._keep(file))
         give_back()
 
     def _keep(self, file: viser.UploadedFile) -> None:
@@ -242,16 +244,7 @@ class Panel:
         self.session.change(data, self.tell)
 
     def _button(self, label: str, action: Callable[[], None]) -> None:
-        button = self.client.gui.add_button(label)
-        button.on_click(lambda event: self._steer(event, action))
-
-    def _steer(self, event: viser.GuiEvent, action: Callable[[], None]) -> None:
-        if event.client_id is None:
-            return
-        if self.may():
-            action()
-        else:
-            self.tell("somebody else steers this simulation: press Take over first")
+        self.client.gui.add_button(label).on_click(self.orders.steering(action))
 
 
 def _turns(quaternion: np.ndarray) -> list[dict[str, Any]]:

@@ -118,6 +118,33 @@ def test_malformed_messages_close_their_sender_only(stage, page):
     still_works(stage, page)
 
 
+def test_what_is_asked_for_fast_happens_in_order(stage, monkeypatch):
+    happened = []
+
+    def asked(name: str) -> None:
+        time.sleep(0.05 if name == "pause" else 0.0)
+        happened.append(name)
+
+    for name in ("play", "pause", "step"):
+        monkeypatch.setattr(stage.session, name, lambda name=name: asked(name))
+    page = Page(stage.session, host="127.0.0.1", port=0)
+    viewer = Viewer(page.port)
+    for label in ["Pause", "Next frame", "Play"] * 5:
+        viewer.press(label)
+    stage.until(lambda session: len(happened) == 15)
+    page.close()
+    assert happened == ["pause", "step", "play"] * 5
+
+
+def test_who_leaves_before_the_page_is_built_does_not_steer(stage, page):
+    for _ in range(5):
+        Viewer(page.port).close()
+    stage.until(lambda session: not page.viewers and not session.watched)
+    viewer = Viewer(page.port)
+    viewer.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
+
+
 def test_uploads_that_are_no_mesh_or_too_large_are_refused(stage, page, tmp_path):
     viewer = Viewer(page.port)
     refused = [("pool.stl", b"solid nothing"), ("run.py", b"print(1)"), ("../../out.stl", b"")]
