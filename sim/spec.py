@@ -22,7 +22,7 @@ Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
 """-x, +x, -y, +y, -z, +z: the order of the planes of a box."""
 CFL_OF_IISPH = 0.3
-"""Under half of the CFL number at which the first of five balls of water thrown at a wall breaks, 0.66:
+"""Under half of the CFL number up to which five balls of water may be thrown at a wall, 0.64:
 `python -m tests.stress.limits iisph`."""
 
 

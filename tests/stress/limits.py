@@ -112,9 +112,7 @@ def _thrown(solver: str) -> Callable[[float], bool]:
         place = [-0.08 + aside, 0.3, aside / 3]
         return {"shape": {"type": "sphere", "radius": 0.1}, "position": place, "velocity": [5, 0, 0]}
 
-    thrown = [
-        _up_to(_water(solver, 10, [0.4, 0.6, 0.4], ball(aside), gravity=[0, 0, 0]), 5, calm) for aside in ASIDE
-    ]
+    thrown = [_up_to(_water(solver, 10, [0.4, 0.6, 0.4], ball(aside), gravity=[0, 0, 0]), 5, calm) for aside in ASIDE]
     return lambda cfl: all(stable(cfl) for stable in thrown)
 
 

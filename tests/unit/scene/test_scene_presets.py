@@ -80,7 +80,7 @@ def test_check_looks_at_all_presets(bench, scene):
 
 
 def test_iisph_has_a_shorter_step_unless_the_scene_says_which(bench, scene):
-    """By half the support: IISPH breaks in an impact from 0.66 on, others go further (tests/stress/limits.py)."""
+    """By half the support: IISPH breaks in an impact from 0.67 on, others go further (tests/stress/limits.py)."""
     dfsph, iisph = (scene("fluid:", f"fluid:\n  solver: {solver}") for solver in ("dfsph", "iisph"))
     assert load(bench.write(dfsph)).simulation.step.cfl == 0.4
     assert load(bench.write(iisph)).simulation.step.cfl == 0.3
