@@ -9,6 +9,7 @@ import taichi as ti
 vec2 = ti.types.vector(2, ti.f64)
 vec3 = ti.types.vector(3, ti.f64)
 vec4 = ti.types.vector(4, ti.f64)
+vec5 = ti.types.vector(5, ti.f64)
 mat3 = ti.types.matrix(3, 3, ti.f64)
 
 Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)

@@ -16,6 +16,7 @@ from sim.settings import Refused
 from sim.spec import Pressure, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.cloth.loose import Bodies
     from sim.cloth.part import ClothPart, PlacedSheet
     from sim.cloth.solids import Solids
     from sim.cloth.state import ClothState
@@ -217,11 +218,11 @@ class World:
         )
         return self.wet_cloth
 
-    def _solids_ahead(self) -> np.ndarray | None:
-        """Where surfaces that cloth may meet are after the step, if any of them moves."""
+    def _solids_ahead(self, dt: float) -> tuple[np.ndarray | None, Bodies | None]:
+        """Where surfaces that cloth may meet are after the step, if any of them moves, and bodies that obey forces."""
         if self.rigid:
             self._follow()
-        return self._solid_places(self._until)
+        return self._solids_at(self._until, dt)
 
     def _float(self) -> Floating:
         from sim.coupling.floating import Floating
@@ -353,14 +354,15 @@ class World:
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
         told = {}
+        loose = self.cloth and self.obstacles.dynamic
         if self.rigid and not together:
             told = self.rigid.advance(dt, moved)
             self._follow()
         wet = self.wet_cloth and self.fluid.count
         if self.cloth and not wet:
-            told |= self.cloth.advance(dt, until, self._solid_places(until))
-            if self.rigid:
-                self._push(dt)
+            told |= self.cloth.advance(dt, until, *self._solids_at(until, dt))
+            if loose:
+                self._push(dt, until)
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
             if wet:
@@ -369,25 +371,28 @@ class World:
             told["held_off"], boundary.held_off = boundary.held_off, 0
         if together:
             self._follow()
-        if wet and self.rigid:
-            self._push(dt)
+        if wet and loose:
+            self._push(dt, until)
+            if self.floating:
+                self.floating.pose()
         self.time = until
         return told
 
-    def _push(self, dt: float) -> None:
+    def _push(self, dt: float, until: float) -> None:
         """Let the cloth push dynamic bodies."""
-        from sim.coupling.cloth_rigid import push
+        from sim.coupling.cloth_rigid import places, push
 
         push(self.cloth, self.rigid, dt)
         self._follow()
+        self.cloth.settle_solids(places(self.obstacles, until))
 
-    def _solid_places(self, time: float) -> np.ndarray | None:
-        """Where surfaces that cloth may meet are at `time` [s], if any of them moves."""
+    def _solids_at(self, time: float, dt: float) -> tuple[np.ndarray | None, Bodies | None]:
+        """Where surfaces that cloth may meet are at `time` [s], if any of them moves, and bodies that obey forces."""
         if not any(item.motion for item in self.obstacles.placed):
-            return None
-        from sim.coupling.cloth_rigid import places
+            return None, None
+        from sim.coupling.cloth_rigid import ahead, places
 
-        return places(self.obstacles, time)
+        return places(self.obstacles, time), ahead(self.cloth, self.rigid, dt) if self.obstacles.dynamic else None
 
     def _follow(self) -> None:
         """Keep the motions of dynamic bodies up to date."""

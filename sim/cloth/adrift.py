@@ -37,7 +37,7 @@ class Adrift:
             count, found = groups(*(self._piece[between[:, k]] for k in (0, 3)), self._pieces)
             fixed, system = np.isin(np.arange(count), found[fixed]), found[self._piece]
         mass = np.bincount(system, self._mass)[:, None]
-        total = np.column_stack([np.bincount(system, one) for one in force.to_numpy().T])
+        total = np.column_stack([np.bincount(system, one) for one in force.to_numpy()[: self._count].T])
         return np.where(fixed[:, None], 0.0, total / mass)[system]
 
     def _of(self, corners: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ from sim.cloth import search, touch
 from sim.cloth.crowding import SHARE as AT_REST
 from sim.cloth.crowding import Crowding
 from sim.cloth.layout import Touches
+from sim.cloth.loose import LooseBodies, wrenches
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.search import EDGE, PLANE, POINT, Hits
 from sim.cloth.surfaces import Surface, Tree
@@ -31,6 +32,8 @@ NEAR = 1.2
 """Contacts are forgotten from this many thicknesses on."""
 SHARE = 0.2
 """Of what the thickness lacks, so much is made up for in a step."""
+PATIENCE = 0.1
+"""Where bodies are on the cloth, no sooner than in this time [s]: what is pushed keeps the speed."""
 ENDS = 1e-9
 """Weights below this are none."""
 ROOM = 8
@@ -86,8 +89,10 @@ class Collisions:
         half: np.ndarray,
         slide: np.ndarray,
         hold: np.ndarray,
+        loose: LooseBodies,
     ):
         self.mesh = mesh
+        self.loose = loose
         self.walls = walls
         self.half, self._slide, self._hold = half, slide, hold
         self.known = Known.none()
@@ -111,39 +116,66 @@ class Collisions:
                 _Search(False, False, integers(solids.points), len(solids.points), self._own[0]),
             ]
         self._cloth_points, self._points = cloth.points, points
+        self._between = np.zeros((0, 3))
+        """Forces where bodies touch one another, as far as they are known [N]."""
         self._number = integers(np.zeros(len(cloth.points)))
         self._make_room(64)
 
     @property
     def count(self) -> int:
-        return len(self.known.key)
+        """Contacts of the cloth, and those of bodies that it may change."""
+        return len(self.known.key) + len(self.loose.taken)
 
     def remember(self, key: np.ndarray, *others: np.ndarray) -> None:
         """Go on with the contacts of a step before: weights, normals, limits and forces as in `Known`."""
         self.known = Known(key, self._thickness(key), *others)
 
-    def begin(self, start: ti.Ndarray) -> None:
-        """Look again at contacts where points are now; those that have parted are forgotten."""
+    def begin(self, start: ti.Ndarray, dt: float) -> None:
+        """Look again at contacts where points are now, at the begin of a step of dt [s]; those that have parted are
+        forgotten."""
         known = self.known
+        self._dt, self._bears = dt, self._on_bodies(known)
+        self._between = self.loose.all_meetings.before.copy()
         if not len(known.key):
             self._upload()
             return
-        apart, normal, weight = self._nearest(start)
-        thick = known.thick
-        keep = (apart < NEAR * thick) & (apart > 0)
-        lacking = np.maximum(thick - apart, 0.0)
-        known.limit = self._offset(known.key) + np.where(lacking > 0, apart + SHARE * lacking, thick)
+        apart, normal, weight = self._nearest(known, start)
+        keep = (apart < NEAR * known.thick) & (apart > 0)
+        known.limit = self._limits(known, apart)
         known.normal, known.weight = normal, weight
         self.known = known.take(np.flatnonzero(keep))
         self._upload()
+        self._guess()
+
+    def begin_again(self) -> None:
+        """Bodies are aimed elsewhere in the same step."""
+        own, known = len(self.known.key), self.known
+        known.press, known.grip = self.touches.press.to_numpy()[:own], self.touches.grip.to_numpy()[:own]
+        self._between = self.loose.all_meetings.before.copy()
+        self._upload()
+        self._guess()
+
+    def _guess(self) -> None:
+        """Try the ways of bodies that forces which are known would take them."""
+        if self.loose.count:
+            met, known = self._between[self.loose.taken], self.known
+            force = np.concatenate([known.press[:, None] * known.normal + known.grip, met])
+            body, total, arm = self._held
+            self.loose.try_forces(self.loose.sum(body, wrenches(total, arm, force)))
 
     def find(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY, add: bool = True) -> int:
         """Look for what comes nearer than a share of its thickness on the way from `start` to `place` [m]; returns how
         many were not known. To `add` them asks the integrator to solve again, as forces belong to other contacts."""
         fresh = self._search(start, place, early)
-        if self.count and len(fresh.key):
+        if len(self.known.key) and len(fresh.key):
             fresh = fresh.take(np.flatnonzero(~_among(fresh.key, self.known.key)))
         if add and len(fresh.key):
+            if not self._bears and self._on_bodies(fresh):
+                self._bears = True
+                self.known.limit = self._limits(self.known, self._nearest(self.known, start)[0])
+            if self.loose.count:
+                apart = self._nearest(fresh, start)[0]
+                fresh.limit = self._limits(fresh, np.where(apart > 0, apart, fresh.thick))
             self._keep_forces()
             self.known = self.known.joined(fresh)
             self._upload()
@@ -151,13 +183,21 @@ class Collisions:
 
     def harden(self, dt: float, inertias: float, springs: float, sinking: float) -> None:
         """Set the stiffness with which contacts are looked for; see `touch.harden`."""
-        mesh, factors = self.mesh, (inertias, springs, sinking)
-        tables = mesh.points.mass, mesh.stiff, self._thick, self.touches
+        mesh = self.mesh
+        factors = inertias, springs, sinking, self.borne
+        tables = mesh.points.mass, mesh.stiff, self._thick, self.touches, self.loose.tables
         touch.harden(self.count, mesh.count, *factors, dt, *tables)
 
-    def sunk(self, share: float, place: ti.Ndarray) -> int:
-        """How many contacts lack more than a share of their thickness at these places [m]."""
-        return touch.count_sunk(self.count, share, self._thick, self.touches, place)
+    @property
+    def borne(self) -> float:
+        """The greatest mass of bodies that one contact bears [kg]."""
+        return self.loose.heaviest(self._held[0][: len(self.known.key)])
+
+    def astray(self, share: float, place: ti.Ndarray) -> int:
+        """How many contacts lack more than a share of their thickness at these places [m]; among bodies, or under
+        them, how many press from as far, too."""
+        own = len(self.known.key)
+        return touch.count_astray(own, int(self.borne > 0), share, self._thick, self.touches, place)
 
     def learn(self) -> None:
         """Take the forces of contacts for known."""
@@ -167,12 +207,18 @@ class Collisions:
         """Renew the forces that friction counts; returns how far that may move contacts [m]."""
         return touch.press_on(self.count, self.touches) if self.count else 0.0
 
-    def on_solids(self) -> tuple[np.ndarray, np.ndarray]:
-        """Points of solids that the cloth touches, and the force on each [N], shape [n, 3]; a point may come twice."""
-        corners, count = self.known.key[:, 1:], self.mesh.count
-        contact, corner = np.nonzero(corners >= count)
-        force = self.touches.touch_force.to_numpy()[contact]
-        return corners[contact, corner], self.known.weight[contact, corner, None] * force
+    def on_bodies(self) -> np.ndarray:
+        """What contacts do to bodies in the step: forces [N], and torques about the centres of mass that they were
+        aimed at [N m], shape [bodies, 6]."""
+        body, total, arm = self._held
+        return self.loose.sum(body, wrenches(total, arm, self._forces()))
+
+    def between_bodies(self) -> np.ndarray:
+        """The force of the `meetings` of bodies in the step [N], shape [n, 3]."""
+        return self._forces()[len(self.known.key) :]
+
+    def _forces(self) -> np.ndarray:
+        return self.touches.touch_force.to_numpy()[: self.count]
 
     def end(self) -> None:
         """Keep forces for the next step."""
@@ -277,9 +323,19 @@ class Collisions:
             found.append(np.sqrt(at_points[key[:, 1]] * other))
         return found[0], found[1]
 
-    def _nearest(self, place: ti.Ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Distance [m], normal and weights of known contacts for places of points."""
-        known = self.known
+    def _limits(self, known: Known, apart: np.ndarray) -> np.ndarray:
+        """How far contacts have to be apart after a step at the begin of which they are so far apart [m]."""
+        lacking = np.maximum(known.thick - apart, 0.0)
+        share = min(SHARE, self._dt / PATIENCE) if self._bears else SHARE
+        return self._offset(known.key) + np.where(lacking > 0, apart + share * lacking, known.thick)
+
+    def _on_bodies(self, known: Known) -> bool:
+        """Whether any of these contacts is with a body that obeys forces."""
+        corner = known.key[:, 1:] - self.loose.first
+        return bool((self.loose.owner[corner[corner >= 0]] >= 0).any())
+
+    def _nearest(self, known: Known, place: ti.Ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Distance [m], normal and weights of contacts for places of points."""
         apart, normal, weight = known.limit.copy(), known.normal.copy(), known.weight.copy()
         pairs = np.flatnonzero(known.key[:, 0] < PLANE)
         if len(pairs):
@@ -294,24 +350,37 @@ class Collisions:
         return apart, normal, weight
 
     def _keep_forces(self) -> None:
-        if self.count:
-            self.known.press = self.touches.press.to_numpy()[: self.count]
-            self.known.grip = self.touches.grip.to_numpy()[: self.count]
+        own = len(self.known.key)
+        press, grip = self.touches.press.to_numpy()[: self.count], self.touches.grip.to_numpy()[: self.count]
+        self.known.press, self.known.grip = press[:own], grip[:own]
+        met = self.loose.meetings
+        self._between[self.loose.taken] = press[own:, None] * met.normal + grip[own:]
 
     def _upload(self) -> None:
-        count, known = self.count, self.known
+        known, own = self.known, len(self.known.key)
+        self._held = self.loose.hold(known.key, known.weight)
+        met, count = self.loose.meetings, self.count
         if count > self._room:
             self._make_room(2 * count)
+        force = self._between[self.loose.taken]
+        push = np.maximum((force * met.normal).sum(axis=1), 0.0)
         slide, hold = self._friction(known.key)
+        press = np.concatenate([known.press, push])
+        limit = np.concatenate([known.limit, -np.maximum(met.gap, 0.0)])
+        friction = np.concatenate([np.column_stack([slide, hold]), met.friction])
         first, entry = incidence(known.key[:, 1:], self.mesh.count)
-        _fill(self._thick, known.thick)
+        body, total, arm = self._held
+        _fill(self._thick, np.concatenate([known.thick, np.ones(count - own)]))
         for name, values in (
-            ("touch_corner", known.key[:, 1:].ravel()),
-            ("touch_weight", known.weight),
-            ("touch_normal", known.normal),
-            ("law", np.column_stack([known.limit, slide, hold, known.press])),
-            ("press", known.press),
-            ("grip", known.grip),
+            ("touch_corner", np.concatenate([known.key[:, 1:].ravel(), np.full(4 * (count - own), -1)])),
+            ("touch_weight", np.concatenate([known.weight, np.zeros((count - own, 4))])),
+            ("touch_body", body.ravel()),
+            ("touch_sum", total.ravel()),
+            ("touch_arm", arm.reshape(-1, 3)),
+            ("touch_normal", np.concatenate([known.normal, met.normal])),
+            ("law", np.column_stack([limit, friction, press])),
+            ("press", press),
+            ("grip", np.concatenate([known.grip, force - push[:, None] * met.normal])),
             ("first_touch", first),
             ("of_touch", entry),
         ):
@@ -322,6 +391,9 @@ class Collisions:
         three = np.zeros((room, 3))
         self._arrays = {
             "touch_corner": integers(np.zeros(4 * room)),
+            "touch_body": integers(np.full(2 * room, -1)),
+            "touch_sum": numbers(np.zeros(2 * room)),
+            "touch_arm": vectors(np.zeros((2 * room, 3))),
             **{name: ti.Vector.ndarray(4, ti.f64, room) for name in ("touch_weight", "law")},
             **{name: vectors(three) for name in ("touch_normal", "grip", "touch_force", "touch_block")},
             **{name: vectors(three) for name in ("touch_trial", "touch_way")},

@@ -9,9 +9,9 @@ time.
 
 import taichi as ti
 
-from sim.cloth.layout import ROWS, Points, Rows, Touches
+from sim.cloth.layout import ROWS, Holds, Loose, Points, Rows, Touches
 from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SETTLED, SHARE, System, add_range, add_ranges, turn
-from sim.cloth.touch import carried, pressed, works, yielding
+from sim.cloth.touch import on_body, parted, pressed, works, yielding
 from sim.double import vec3
 
 AT_ONCE = 4
@@ -25,10 +25,14 @@ FAR = 1e30
 
 
 @ti.func
-def _bend(i: ti.i32, p: ti.template(), rows: ti.template(), e: ti.template()) -> vec3:
-    """How much force on a point, but for contacts, changes along the course; returns what that does to the energy."""
+def _bend(
+    i: ti.i32, points: ti.i32, p: ti.template(), loose: ti.template(), rows: ti.template(), e: ti.template()
+) -> vec3:
+    """How much force on a row, but for contacts, changes along the course; returns what that does to the energy."""
     q = vec3(0.0, 0.0, 0.0)
-    if p.mobile[i]:
+    if i >= points:
+        q = loose.loose_block[i - points] @ e.course[i]
+    elif p.mobile[i]:
         # Springs and hinges feel differences: what moves as a whole does not push itself, whatever their stiffness.
         own = e.course[i]
         q = rows.alone_block[i] @ own
@@ -101,12 +105,17 @@ def _push_on(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.templ
 
 
 @ti.func
-def _step_on(i: ti.i32, p: ti.template(), touch: ti.template(), e: ti.template()) -> vec3:
-    """Go along the course with a point; returns its parts of r.z, of z and the residual before, and of p.r."""
+def _step_on(
+    i: ti.i32, points: ti.i32, p: ti.template(), touch: ti.template(), holds: ti.template(), e: ti.template()
+) -> vec3:
+    """Go along the course with a row; returns its parts of r.z, of z and the residual before, and of p.r."""
     share, before, z = e.scalar[SHARE], e.residual[i], vec3(0.0, 0.0, 0.0)
     e.answer[i] += share * e.course[i]
     r = before - share * e.bent[i]
-    if p.mobile[i]:
+    if i >= points:
+        r += on_body(i - points, touch, holds, touch.touch_way)
+        z = e.inverse[i] @ r
+    elif p.mobile[i]:
         for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
             c = touch.of_touch[entry] // 4
             if touch.awake[c]:
@@ -121,11 +130,14 @@ def _step_on(i: ti.i32, p: ti.template(), touch: ti.template(), e: ti.template()
 def solve_alone(
     linear: ti.template(),
     points: ti.i32,
+    bodies: ti.i32,
     touches: ti.i32,
     most: ti.i32,
     enough: ti.f64,
     p: Points,
     touch: Touches,
+    loose: Loose,
+    holds: Holds,
     rows: Rows,
     e: System,
 ) -> ti.i32:
@@ -136,12 +148,12 @@ def solve_alone(
         while e.scalar[NOW] > enough and made <= most:
             made += 1
             bend = vec3(0.0, 0.0, 0.0)
-            for i in range(points):
-                bend += _bend(i, p, rows, e)
+            for i in range(points + 2 * bodies):
+                bend += _bend(i, points, p, loose, rows, e)
             _begin_to_choose(bend[1], e)
             for c in range(touches):
                 if touch.awake[c]:
-                    touch.touch_way[c] = carried(c, touch, e.course)
+                    touch.touch_way[c] = parted(c, points, touch, e.course)
             for _try in range(1 + TRIES):
                 if e.scalar[SETTLED] == 0.0:
                     touching = vec3(0.0, 0.0, 0.0)
@@ -151,30 +163,39 @@ def solve_alone(
             for c in range(touches):
                 _push_on(linear, c, touch, e)
             sums = vec3(0.0, 0.0, 0.0)
-            for i in range(points):
-                sums += _step_on(i, p, touch, e)
+            for i in range(points + 2 * bodies):
+                sums += _step_on(i, points, p, touch, holds, e)
             turn(sums, e.scalar[NOW], e)
-            for i in range(points):
+            for i in range(points + 2 * bodies):
                 e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return made
 
 
 @ti.kernel
 def iterate(
-    linear: ti.template(), points: ti.i32, touches: ti.i32, p: Points, touch: Touches, rows: Rows, e: System
+    linear: ti.template(),
+    points: ti.i32,
+    bodies: ti.i32,
+    touches: ti.i32,
+    p: Points,
+    touch: Touches,
+    loose: Loose,
+    holds: Holds,
+    rows: Rows,
+    e: System,
 ) -> ti.f64:
     """AT_ONCE iterations on all threads; returns r.z."""
     for _again in ti.static(range(AT_ONCE)):
-        for i in range(points):
-            e.part[i] = _bend(i, p, rows, e)
+        for i in range(points + 2 * bodies):
+            e.part[i] = _bend(i, points, p, loose, rows, e)
         for row in range(ROWS):
-            add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
+            add_range(row, points + 2 * bodies, vec3(0.0, 0.0, 0.0), e.part)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            _begin_to_choose(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)[1], e)
+            _begin_to_choose(add_ranges(points + 2 * bodies, vec3(0.0, 0.0, 0.0), e.part)[1], e)
         for c in range(touches):
             if touch.awake[c]:
-                touch.touch_way[c] = carried(c, touch, e.course)
+                touch.touch_way[c] = parted(c, points, touch, e.course)
         for _try in ti.static(range(1 + TRIES)):
             for c in range(touches):
                 if e.scalar[SETTLED] == 0.0:
@@ -188,13 +209,13 @@ def iterate(
                     _choose(add_ranges(touches, vec3(0.0, 0.0, 0.0), e.part), e)
         for c in range(touches):
             _push_on(linear, c, touch, e)
-        for i in range(points):
-            e.part[i] = _step_on(i, p, touch, e)
+        for i in range(points + 2 * bodies):
+            e.part[i] = _step_on(i, points, p, touch, holds, e)
         for row in range(ROWS):
-            add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
+            add_range(row, points + 2 * bodies, vec3(0.0, 0.0, 0.0), e.part)
         ti.loop_config(serialize=True)
         for _once in range(1):
-            turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), e.scalar[NOW], e)
-        for i in range(points):
+            turn(add_ranges(points + 2 * bodies, vec3(0.0, 0.0, 0.0), e.part), e.scalar[NOW], e)
+        for i in range(points + 2 * bodies):
             e.course[i] = e.scaled[i] + e.scalar[SHARE] * e.course[i]
     return e.scalar[NOW]

@@ -13,8 +13,9 @@ from sim.cloth.adrift import Adrift
 from sim.cloth.collision import Collisions
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.newton import Newton
+from sim.cloth.place import put
 from sim.cloth.spec import Cloth
-from sim.cloth.tables import numbers, vectors
+from sim.cloth.tables import integers, numbers, vectors
 from sim.double import vec3
 
 INERTIAS = 16.0
@@ -26,6 +27,8 @@ more than SPRINGS times that of the cloth there."""
 SPRINGS = 10.0
 SUNK = 0.25
 """With more of these, their forces are taken for known, and all is solved again."""
+SUNK_BY_BODIES = 0.001
+"""Where bodies lie on cloth: what is left of an error there goes on into the next step as their speed."""
 ROUNDS = 12
 """Of looking for contacts that the last solution made."""
 GIVING_WAY = 1e-3
@@ -58,6 +61,7 @@ class ImplicitEuler:
         self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
         self.trial = self._newton.trial
         self._adrift = Adrift(mesh)
+        self._solids = integers(np.arange(mesh.count, mesh.total))
         self._falls, self._rests = numbers(self._adrift.free), numbers(np.zeros(mesh.count))
 
     def limits(self) -> dict[str, float]:
@@ -91,14 +95,18 @@ class ImplicitEuler:
             newton_sums.stay(mesh.count, mesh.points, trial)
         if load is not None:
             newton_sums.load_on(mesh.count, dt, mesh.points, load, trial)
-        self.collisions.begin(trial.start)
+        self.collisions.begin(trial.start, dt)
+        self._carry(self.collisions.loose.moved())
         self.collisions.find(trial.start, trial.place)
+        self._carry(self.collisions.loose.places)
         self._told, self._rounds = np.zeros(3, int), 0
         self._part(dt)
 
     def change(self, dt: float, load: ti.Ndarray) -> None:
         """Let forces on points [N] act besides those foreseen, and look where that takes them."""
         newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
+        if self.collisions.loose.count:
+            self.collisions.begin_again()
         self._part(dt)
 
     def linearize(self, dt: float) -> None:
@@ -136,11 +144,18 @@ class ImplicitEuler:
             collisions.harden(dt, INERTIAS, SPRINGS, SINKING)
             self._told += self._newton.converge(dt)
             self._keep_momentum(dt)
-            sunk = collisions.sunk(SUNK, trial.place)
-            if sunk:
+            self._carry(collisions.loose.moved())
+            astray = collisions.astray(SUNK_BY_BODIES if collisions.borne > 0 else SUNK, trial.place)
+            if astray:
                 collisions.learn()
-            if not (collisions.find(trial.start, trial.place, add=rounds < ROUNDS) or sunk):
+            if not (collisions.find(trial.start, trial.place, add=rounds < ROUNDS) or astray):
                 break
+            self._carry(collisions.loose.places)
+
+    def _carry(self, places: np.ndarray) -> None:
+        """Put points of solids to places [m], where bodies may take them."""
+        if self.collisions.loose.count:
+            put(len(places), self._solids, vectors(places), self.trial.place)
 
     def _keep_momentum(self, dt: float) -> None:
         """Move what is adrift by what forces left on it as a whole would."""

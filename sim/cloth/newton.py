@@ -60,6 +60,7 @@ class Newton:
         """Forces left over, over those that act, where the last solution met a cap."""
         self._weight = float(np.linalg.norm(gravity))
         self._mass = float(mesh.mass[~mesh.held].sum())
+        self._bodies = collisions.loose.count
         self._pattern = find_pattern(mesh.ends, mesh.corners, n)
         self._strains = {
             "spring_normal": vectors(np.zeros((s, 3))),
@@ -68,15 +69,19 @@ class Newton:
             "hinge_stiff": numbers(np.zeros(h)),
             "slope": vectors(np.zeros((4 * h, 3))),
         }
-        alike = ("force", "force_before", "residual", "scaled", "bent", "answer", "line")
+        alike = ("force", "force_before", "residual", "scaled", "course", "bent", "answer", "line")
         self._tables = {
-            **{name: vectors(np.zeros((n, 3))) for name in alike},
-            # Solids do not give way.
-            "course": vectors(np.zeros((mesh.total, 3))),
-            "inverse": matrices(n),
+            **{name: vectors(np.zeros((self._rows, 3))) for name in alike},
+            "inverse": matrices(self._rows),
             "scalar": numbers(np.zeros(SETTLED + 1)),
         }
+        self._given = vectors(np.zeros((n, 3)))
         self._term_room = 0
+
+    @property
+    def _rows(self) -> int:
+        """Of equations: of points, and two of each body."""
+        return self.mesh.count + 2 * self._bodies
 
     @property
     def force(self) -> ti.Ndarray:
@@ -92,24 +97,24 @@ class Newton:
         energy = self._assess(dt)
         iterations, capped, passes, way, before = 0, 0, 0, math.inf, 0.0
         for step in range(settings.max_newton + 1):
-            first, unbalanced, acting = self._balance(dt)
-            if way == 0.0 or (way <= slow and unbalanced <= settings.force_error**2 * acting):
+            first, unbalanced = self._balance(dt)
+            if way == 0.0 or (way <= slow and unbalanced <= settings.force_error**2):
                 passes += 1
                 if passes == PASSES or self.collisions.press_on() <= slow:
                     self.left = 0.0
                     return np.array([step, iterations, capped])
                 energy, before = self._assess(dt), 0.0
-                first, *_ = self._balance(dt)
+                first, _ = self._balance(dt)
             if step == settings.max_newton:
                 break
             newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
             made, ended = self._solve(first * settings.linear_error**2, REACH * way)
             iterations += made
             capped |= not ended
-            before, down = newton_sums.conjugate(self.mesh.count, before, self._system)
+            before, down = newton_sums.conjugate(self._rows, before, self._system)
             energy, way, as_told = self._descend(dt, energy, down)
             before *= as_told
-        self.left = math.sqrt(unbalanced / acting)
+        self.left = math.sqrt(unbalanced)
         return np.array([step, iterations, 1])
 
     def linearize(self, dt: float) -> None:
@@ -120,31 +125,36 @@ class Newton:
 
     def give_way(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
-        first = newton_sums.ask(self.mesh.count, self.mesh.points, load, self._system)
+        first = newton_sums.ask(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
         self._solve(first * error**2, 0.0, linear=True)
-        return self._system.answer
+        newton_sums.answer(self.mesh.count, self._system, self._given)
+        return self._given
 
     def _assess(self, dt: float) -> float:
-        mesh = self.mesh
+        mesh, touches, rows = self.mesh, self.collisions.count, 2 * self._bodies
+        first = mesh.count + mesh.springs + mesh.hinges
+        if touches or rows:
+            tables = self.collisions.touches, self.collisions.loose.tables, self.trial, self._strain["term"]
+            newton_sums.assess_touches(first, touches, rows, *tables)
         return newton_sums.assess(
             mesh.air.present,
             mesh.count,
             mesh.springs,
             mesh.hinges,
-            self.collisions.count,
+            touches + rows,
             dt,
             mesh.air.wind,
             mesh.points,
             mesh.strands,
             mesh.angles,
-            self.collisions.touches,
             mesh.air.drag,
             self.trial,
             self._strain,
         )
 
-    def _balance(self, dt: float) -> tuple[float, float, float]:
-        """Find what forces are left; returns r.z, the sum of r^2 / m, and that of the forces that act."""
+    def _balance(self, dt: float) -> tuple[float, float]:
+        """Find what forces are left; returns r.z, and the sum of r^2 / m over that of the forces that act: on cloth or
+        on bodies, whichever is more."""
         mesh, air, collisions = self.mesh, self.mesh.air, self.collisions
         newton_sums.stiffen(
             air.present,
@@ -160,23 +170,28 @@ class Newton:
             self._strain,
             self._system["force"],
         )
-        parts = mesh.points, collisions.touches, self._pattern.rows, self.trial, self._system
-        first, left, acting = newton_sums.linearize(mesh.count, dt, self.gravity, *parts)
+        bodies = collisions.loose
+        tables = collisions.touches, bodies.tables, bodies.holds, self._pattern.rows, self.trial, self._system
+        first, *sums = newton_sums.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
         # Without gravity, what would count as a change.
-        least = self._weight or self.settings.velocity_error / dt
-        return first, left, max(acting, self._mass * least**2)
+        least = (self._weight or self.settings.velocity_error / dt) ** 2
+        cloth = sums[0] / max(sums[1], self._mass * least)
+        solid = sums[2] / max(sums[3], bodies.mass.min() * least) if bodies.count else 0.0
+        return first, max(cloth, solid)
 
     def _solve(self, enough: float, reach: float, *, linear: bool = False) -> tuple[int, bool]:
         """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
         cap. Contacts that are further than `reach` [m] from pressing do not; `linear`: contacts go on as they do."""
         mesh, most, touches = self.mesh, self.settings.max_iterations, self.collisions.count
-        parts = mesh.points, self.collisions.touches, self._pattern.rows, self._system
-        touch.wake(touches, reach, self.collisions.touches)
+        collisions, bodies = self.collisions, self._bodies
+        loose = collisions.loose
+        parts = mesh.points, collisions.touches, loose.tables, loose.holds, self._pattern.rows, self._system
+        touch.wake(touches, reach, collisions.touches)
         if mesh.alone:
-            made = conjugate_gradients.solve_alone(linear, mesh.count, touches, most, enough, *parts)
+            made = conjugate_gradients.solve_alone(linear, mesh.count, bodies, touches, most, enough, *parts)
             return made, made <= most
         for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
-            left = conjugate_gradients.iterate(linear, mesh.count, touches, *parts)
+            left = conjugate_gradients.iterate(linear, mesh.count, bodies, touches, *parts)
             if not left > enough:
                 return made, True
         return made, False
@@ -206,15 +221,17 @@ class Newton:
 
     def _try(self, dt: float, share: float) -> tuple[float, float]:
         """Go a share of the way found; returns how far all of it takes any point [m], and the energy [J]."""
-        return newton_sums.move(self.mesh.count, share, self.trial, self._system), self._assess(dt)
+        loose = self.collisions.loose
+        tables = loose.reach, loose.tables, self.trial, self._system
+        return newton_sums.move(self.mesh.count, 2 * self._bodies, share, *tables), self._assess(dt)
 
     def _make_room(self) -> None:
         """Let there be room for the sums over all contacts."""
         mesh = self.mesh
-        needed = mesh.count + mesh.springs + mesh.hinges + self.collisions.count + ROWS
+        needed = self._rows + mesh.springs + mesh.hinges + self.collisions.count + ROWS
         if needed > self._term_room:
             self._term_room = needed + self.collisions.count
-            part = vectors(np.zeros((max(mesh.count, 2 * self.collisions.count) + ROWS, 3)))
+            part = vectors(np.zeros((max(self._rows, 2 * self.collisions.count) + ROWS, 3)))
             self._strain = Strain(**self._strains, term=numbers(np.zeros(self._term_room)))
             self._system = System(**self._tables, part=part)
 

@@ -13,10 +13,10 @@ import taichi as ti
 
 from sim.cloth.air import drag, drag_block
 from sim.cloth.hinges import fold, turned
-from sim.cloth.layout import ROWS, Angles, Drag, Points, Rows, Strands, Touches
+from sim.cloth.layout import ROWS, Angles, Drag, Holds, Loose, Points, Rows, Strands, Touches
 from sim.cloth.springs import block, line
-from sim.cloth.touch import slipping, touch_energy
-from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3
+from sim.cloth.touch import cross, on_body, slipping, touch_energy
+from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3, vec5
 
 NOW, DOWN, BEND, SHARE, LOW, HIGH, SETTLED = range(7)
 """Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, and whether
@@ -146,23 +146,34 @@ def stay(points: ti.i32, p: Points, t: Trial):
 
 
 @ti.kernel
+def assess_touches(first: ti.i32, touches: ti.i32, rows: ti.i32, touch: Touches, loose: Loose, t: Trial, term: Numbers):
+    """Forces and stiffness of contacts at the places tried; energies [J] of them, and of the ways of bodies in so many
+    rows, from the `first` term on."""
+    for c in range(touches):
+        term[first + c] = touch_energy(c, touch, t.start, t.place, loose.loose_way)
+    for row in range(rows):
+        off = loose.loose_way[row] - loose.loose_aim[row]
+        term[first + touches + row] = 0.5 * off.dot(loose.loose_block[row] @ off)
+
+
+@ti.kernel
 def assess(
     airy: ti.template(),
     points: ti.i32,
     springs: ti.i32,
     hinges: ti.i32,
-    touches: ti.i32,
+    others: ti.i32,
     dt: ti.f64,
     wind: vec3,
     p: Points,
     s: Strands,
     a: Angles,
-    touch: Touches,
     d: Drag,
     t: Trial,
     e: Strain,
 ) -> ti.f64:
-    """Forces and stiffness of springs, hinges and contacts at the places tried; returns the energy [J]."""
+    """Forces and stiffness of springs and hinges at the places tried; returns the energy [J], with so many terms of
+    others that `assess_touches` has found."""
     for k in range(springs):
         along, length = line(t.place[s.ends[2 * k]], t.place[s.ends[2 * k + 1]])
         over, since = length - s.rest[k], length - t.length_before[k]
@@ -181,8 +192,6 @@ def assess(
         e.slope[4 * k + 2] = hinge.r
         e.slope[4 * k + 3] = hinge.s
         e.term[points + springs + k] = 0.5 * (a.rigid[k] * over * over + a.bend_damp[k] / dt * since * since)
-    for c in range(touches):
-        e.term[points + springs + hinges + c] = touch_energy(c, touch, t.start, t.place)
     for i in range(points):
         energy = ti.cast(0.0, ti.f64)
         if p.mobile[i]:
@@ -191,7 +200,7 @@ def assess(
                 past = (t.place[i] - t.start[i]) / dt - wind
                 energy += 0.5 * dt * past.dot(drag(i, past, d))
         e.term[i] = energy
-    count = points + springs + hinges + touches
+    count = points + springs + hinges + others
     for row in range(ROWS):
         add_range(row, count, ti.cast(0.0, ti.f64), e.term)
     energy = ti.cast(0.0, ti.f64)
@@ -199,6 +208,14 @@ def assess(
     for _once in range(1):
         energy = add_ranges(count, ti.cast(0.0, ti.f64), e.term)
     return energy
+
+
+@ti.func
+def _pressed_block(c: ti.i32, touch: ti.template()) -> mat3:
+    """How much less a contact pushes for each way that its sides move apart."""
+    unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    n, slip, b = touch.touch_normal[c], slipping(c, touch), touch.touch_block[c]
+    return b[1] * unit + (b[0] - b[1]) * n.outer_product(n) + (b[2] - b[1]) * slip.outer_product(slip)
 
 
 @ti.func
@@ -265,22 +282,54 @@ def stiffen(
 
 @ti.kernel
 def linearize(
-    points: ti.i32, dt: ti.f64, gravity: vec3, p: Points, touch: Touches, rows: Rows, t: Trial, e: System
-) -> vec3:
+    points: ti.i32,
+    bodies: ti.i32,
+    dt: ti.f64,
+    gravity: vec3,
+    p: Points,
+    touch: Touches,
+    loose: Loose,
+    holds: Holds,
+    rows: Rows,
+    t: Trial,
+    e: System,
+) -> vec5:
     """Add forces of contacts, and find the preconditioner: blocks of the diagonal. Returns r.z; the sum of r^2 / m,
-    which bounds what is wrong whatever the springs: A is at least m / dt^2; and the same of the forces that act."""
+    which bounds what is wrong whatever the springs: A is at least m / dt^2; the same of the forces that act; and both
+    of bodies."""
+    for row in range(2 * bodies):
+        i, off = points + row, loose.loose_way[row] - loose.loose_aim[row]
+        inertia, found = loose.loose_block[row], loose.loose_block[row]
+        for entry in range(holds.first_hold[row // 2], holds.first_hold[row // 2 + 1]):
+            k = holds.of_hold[entry]
+            stiff = _pressed_block(k // 2, touch)
+            if row % 2 == 0:
+                found += touch.touch_sum[k] ** 2 * stiff
+            else:
+                lever = cross(touch.touch_arm[k])
+                found += lever @ stiff @ lever.transpose()
+        r = on_body(row, touch, holds, touch.touch_force) - inertia @ off
+        e.inverse[i] = found.inverse()
+        e.force[i] = r
+        e.residual[i] = r
+        e.scaled[i] = e.inverse[i] @ r
+        e.course[i] = e.scaled[i]
+        e.answer[i] = vec3(0.0, 0.0, 0.0)
+        loose.loose_base[row] = loose.loose_way[row]
+        if row % 2 == 0:
+            off += dt * dt * gravity
+        sums = vec3(dt * dt * r.dot(e.scaled[i]), r.dot(inertia.inverse() @ r), off.dot(inertia @ off))
+        # Behind the sums over ranges of points.
+        e.part[points + ROWS + row] = sums / (dt * dt)
     for i in range(points):
         z, r, left, acting = vec3(0.0, 0.0, 0.0), e.force[i], ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         if p.mobile[i]:
-            unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
             diagonal = rows.own_block[i]
             for entry in range(touch.first_touch[i], touch.first_touch[i + 1]):
                 c = touch.of_touch[entry] // 4
                 w = touch.touch_weight[c][touch.of_touch[entry] % 4]
-                n, slip, b = touch.touch_normal[c], slipping(c, touch), touch.touch_block[c]
                 r += w * touch.touch_force[c]
-                diagonal += w * w * (b[1] * unit + (b[0] - b[1]) * n.outer_product(n))
-                diagonal += w * w * (b[2] - b[1]) * slip.outer_product(slip)
+                diagonal += w * w * _pressed_block(c, touch)
             e.inverse[i] = diagonal.inverse()
             z = e.inverse[i] @ r
             left = r.norm_sqr() / p.mass[i]
@@ -294,13 +343,15 @@ def linearize(
         e.part[i] = vec3(r.dot(z), left, acting)
     for row in range(ROWS):
         add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
-    total = vec3(0.0, 0.0, 0.0)
+    total, of_bodies = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
     ti.loop_config(serialize=True)
     for _once in range(1):
+        for row in range(2 * bodies):
+            of_bodies += e.part[points + ROWS + row]
         total = add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)
-        e.scalar[NOW] = total[0]
-        e.scalar[DOWN] = total[0]
-    return total
+        e.scalar[NOW] = total[0] + of_bodies[0]
+        e.scalar[DOWN] = e.scalar[NOW]
+    return vec5(e.scalar[NOW], total[1], total[2], of_bodies[1], of_bodies[2])
 
 
 @ti.kernel
@@ -312,11 +363,12 @@ def load_on(points: ti.i32, dt: ti.f64, p: Points, load: Vectors, t: Trial):
 
 
 @ti.kernel
-def ask(points: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
-    """Begin to look for how points give way to forces [N] beside those there are; returns r.z."""
-    for i in range(points):
+def ask(points: ti.i32, rows: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
+    """Begin to look for how points, and bodies in so many rows, give way to forces [N] on points beside those there
+    are; returns r.z."""
+    for i in range(points + rows):
         z, r = vec3(0.0, 0.0, 0.0), vec3(0.0, 0.0, 0.0)
-        if p.mobile[i]:
+        if i < points and p.mobile[i]:
             r = load[i]
             z = e.inverse[i] @ r
         e.residual[i] = r
@@ -324,28 +376,35 @@ def ask(points: ti.i32, p: Points, load: Vectors, e: System) -> ti.f64:
         e.answer[i] = vec3(0.0, 0.0, 0.0)
         e.part[i] = vec3(r.dot(z), 0.0, 0.0)
     for row in range(ROWS):
-        add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
+        add_range(row, points + rows, vec3(0.0, 0.0, 0.0), e.part)
     ti.loop_config(serialize=True)
     for _once in range(1):
-        total = add_ranges(points, vec3(0.0, 0.0, 0.0), e.part)[0]
+        total = add_ranges(points + rows, vec3(0.0, 0.0, 0.0), e.part)[0]
         e.scalar[NOW] = total
         e.scalar[DOWN] = total
     return e.scalar[NOW]
 
 
 @ti.kernel
-def conjugate(points: ti.i32, before: ti.f64, e: System) -> vec2:
-    """Turn the way found, unless `before` is 0, so that it is conjugate to the one before; returns r.z and the slope
-    of the energy along the way."""
+def answer(points: ti.i32, e: System, found: Vectors):
+    """What conjugate gradients found of points alone."""
     for i in range(points):
+        found[i] = e.answer[i]
+
+
+@ti.kernel
+def conjugate(rows: ti.i32, before: ti.f64, e: System) -> vec2:
+    """Turn the way found, unless `before` is 0, so that it is conjugate to the one before; returns r.z and the slope
+    of the energy along the way. `rows`: of points and bodies."""
+    for i in range(rows):
         z = e.answer[i]
         e.part[i] = vec3(e.force[i].dot(z), e.force_before[i].dot(z), e.force[i].dot(e.line[i]))
     for row in range(ROWS):
-        add_range(row, points, vec3(0.0, 0.0, 0.0), e.part)
+        add_range(row, rows, vec3(0.0, 0.0, 0.0), e.part)
     ti.loop_config(serialize=True)
     for _once in range(1):
-        turn(add_ranges(points, vec3(0.0, 0.0, 0.0), e.part), before, e)
-    for i in range(points):
+        turn(add_ranges(rows, vec3(0.0, 0.0, 0.0), e.part), before, e)
+    for i in range(rows):
         e.line[i] = e.answer[i] + e.scalar[SHARE] * e.line[i]
         e.answer[i] = e.line[i]
         e.force_before[i] = e.force[i]
@@ -353,9 +412,13 @@ def conjugate(points: ti.i32, before: ti.f64, e: System) -> vec2:
 
 
 @ti.kernel
-def move(points: ti.i32, share: ti.f64, t: Trial, e: System) -> ti.f64:
-    """Try a share of the way found; returns how far the whole of it takes any point [m]."""
+def move(points: ti.i32, rows: ti.i32, share: ti.f64, reach: Numbers, loose: Loose, t: Trial, e: System) -> ti.f64:
+    """Try a share of the way found, of bodies in so many rows, too; returns how far the whole of it takes any point
+    [m]. `reach`: how far a way or turn of 1 of a row of a body takes its points."""
     longest = ti.cast(0.0, ti.f64)
+    for row in range(rows):
+        loose.loose_way[row] = loose.loose_base[row] + share * e.answer[points + row]
+        ti.atomic_max(longest, reach[row] * e.answer[points + row].norm())
     for i in range(points):
         t.place[i] = t.base[i] + share * e.answer[i]
         ti.atomic_max(longest, e.answer[i].norm())

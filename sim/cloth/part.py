@@ -10,6 +10,7 @@ import numpy as np
 from sim.cloth import load_integrator
 from sim.cloth.collision import Collisions
 from sim.cloth.fabric import Fabric, weave
+from sim.cloth.loose import Bodies, LooseBodies
 from sim.cloth.measure import ClothMeasure, Meter
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.pins import Lead, find_pins
@@ -124,19 +125,29 @@ class ClothPart:
             np.concatenate([half, np.zeros(len(self.solids.points))]),
             np.concatenate([slide, self.solids.slide]),
             np.concatenate([hold, self.solids.hold]),
+            LooseBodies(self._owner(), own),
         )
 
-    def advance(self, dt: float, until: float, moved: np.ndarray | None = None) -> dict[str, float]:
+    def _owner(self) -> np.ndarray:
+        """Of points of solids, the row of their body among those that obey forces; -1 of others."""
+        rows = {body: row for row, body in enumerate(self.solids.loose)}
+        return np.array([rows.get(body, -1) for body in self.solids.body], int)
+
+    def advance(
+        self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None
+    ) -> dict[str, float]:
         """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
         tells."""
-        self.aim(until, moved)
+        self.aim(dt, until, moved, bodies)
         return self.note(self.integrator.advance(dt))
 
-    def aim(self, until: float, moved: np.ndarray | None = None) -> None:
-        """Say where held points are at the time `until` [s], and points of solids, which are `moved` [m] by then; and
-        find the drag of air."""
+    def aim(self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None) -> None:
+        """Say where held points are at the time `until` [s], after a step of dt [s], and points of solids, which are
+        `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
         if moved is not None:
             put(len(moved), self._solid_rows, vectors(moved), self.mesh.place)
+        if bodies is not None:
+            self.collisions.loose.aim(bodies, moved, dt)
         if self._leads:
             aims = np.concatenate([lead.at(until) for lead in self._leads])
             put(len(aims), self._led, vectors(aims), self.mesh.place)
@@ -147,6 +158,10 @@ class ClothPart:
         self.stuck = int(told.get("cloth_stuck", 0))
         self.unsolved = told.get("cloth_unsolved", 0) > 0
         return told
+
+    def settle_solids(self, places: np.ndarray) -> None:
+        """Say where points of solids came to be [m], since bodies gave way."""
+        put(len(places), self._solid_rows, vectors(places), self.mesh.points.position)
 
     def measure(self) -> ClothMeasure:
         return self._meter.read()

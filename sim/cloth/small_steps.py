@@ -6,19 +6,24 @@ Where that finds a contact that was not known, the step is made again with it.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sim.cloth import contact_projection
 from sim.cloth.collision import Collisions
-from sim.cloth.layout import Way
+from sim.cloth.layout import Pace, Way
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.tables import numbers, vectors
+from sim.cloth.place import put
+from sim.cloth.tables import integers, matrices, numbers, vectors
 from sim.double import vec3
 
 ROUNDS = 12
 """Of a step, which is made again when it made contacts."""
 SWEEPS, MOST_SWEEPS = 4, 1024
 """Of Jacobi's method in a small step: four times as many where something would pass through, and again."""
+BEARING = 4.0
+"""Sweeps for each mass of a point that a contact has to bear."""
 AHEAD = 1.15
 """Pairs that are foreseen to come nearer than this share of their thickness are looked after from the start."""
 PROMPT = 3.0
@@ -36,12 +41,19 @@ class SmallSteps:
         self.mesh = mesh
         self.gravity = vec3(*gravity)
         self.collisions = collisions
+        self._rows = 2 * collisions.loose.count
         self.way = Way(
             start=vectors(np.zeros((mesh.total, 3))),
             before=vectors(np.zeros((mesh.count, 3))),
             aims=mesh.place,
             shares=numbers(np.zeros(mesh.count)),
         )
+        self._pace = Pace(
+            body_gives=matrices(self._rows),
+            body_speed=vectors(np.zeros((self._rows, 3))),
+            body_shares=numbers(np.zeros(self._rows)),
+        )
+        self._solids = integers(np.arange(mesh.count, mesh.total))
         self.sweeps = SWEEPS
         self._speed, self._ahead = (vectors(np.zeros((mesh.total, 3))) for _ in range(2))
 
@@ -58,38 +70,64 @@ class SmallSteps:
         mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.way.start
         number = self.substeps(dt)
         contact_projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.way)
-        collisions.begin(start)
+        collisions.begin(start, dt)
         collisions.find(start, self._ahead, AHEAD)
-        self.sweeps = SWEEPS
+        self.sweeps = self._enough()
+        contact_projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
         for rounds in range(1, ROUNDS + 1):
             contact_projection.forget(collisions.count, collisions.touches)
             self.run(dt / number, number)
             contact_projection.carry_solids(mesh.count, mesh.total, dt, points, self.way)
+            self._carry_bodies()
             if not collisions.find(start, points.position, add=rounds < ROUNDS):
-                if not len(collisions.narrow) or self.sweeps == MOST_SWEEPS:
+                if not len(collisions.narrow) or self.sweeps >= MOST_SWEEPS:
                     break
                 self.sweeps *= 4
             if rounds < ROUNDS:
                 contact_projection.put_back(mesh.total, points, self._speed, self.way)
+                contact_projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
         held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
         collisions.end()
         return dict(zip(self.STATISTICS, (number, collisions.count, rounds, held_back, stuck), strict=True))
 
     def keep_apart(self, dt: float, number: int, left: int) -> None:
         """Let contacts hold in one of so many small steps of dt [s]."""
-        mesh, collisions = self.mesh, self.collisions
-        points, touches = mesh.points, collisions.touches
-        sizes = mesh.count, collisions.count
-        if collisions.count:
-            contact_projection.recall(*sizes, number, left, dt, self.prompt(number), points, touches, self.way)
-            for _ in range(self.sweeps):
-                contact_projection.sweep(*sizes, number, left, dt, points, touches, self.way)
-            contact_projection.end(*sizes, number, dt, points, touches, self.way)
+        mesh, collisions, loose = self.mesh, self.collisions, self.collisions.loose
+        sizes, sweeps = (mesh.count, self._rows, collisions.count), self.sweeps if collisions.count else 0
+        shared, prompt = (mesh.points, collisions.touches, loose.tables), self.prompt(number)
+        tables = *shared, loose.holds, self._pace, self.way
+        if mesh.alone and self._rows:
+            contact_projection.keep_bodies_apart_alone(*sizes, sweeps, number, left, dt, prompt, *tables)
+        elif collisions.count or self._rows:
+            contact_projection.recall(*sizes, number, left, dt, prompt, *tables)
+            for _ in range(sweeps):
+                contact_projection.sweep(*sizes, number, left, dt, *tables)
+            contact_projection.end(*sizes, number, dt, *shared, self._pace, self.way)
+
+    def _enough(self) -> int:
+        """Sweeps of a small step: forces that go on from one to the next follow what is sunk, and come too late for the
+        mass that they bear where sweeps do not bring up as much inertia."""
+        borne = self.collisions.borne
+        if not borne:
+            return SWEEPS
+        lightest = float(self.mesh.mass[~self.mesh.held].min(initial=math.inf))
+        return int(min(max(SWEEPS, math.ceil(BEARING * borne / lightest)), MOST_SWEEPS))
+
+    def _carry_bodies(self) -> None:
+        """Put points of bodies to where these have gone."""
+        if self._rows:
+            places = self.collisions.loose.moved()
+            put(len(places), self._solids, vectors(places), self.mesh.points.position)
 
     @staticmethod
     def prompt(number: int) -> float:
         """Of what a limit lacks, the share that one of so many small steps makes up for."""
         return min(1.0, PROMPT / number)
+
+    @property
+    def alone(self) -> bool:
+        """Whether one thread takes all small steps in one launch."""
+        return self.mesh.alone and not self._rows
 
     @property
     def bytes(self) -> int:

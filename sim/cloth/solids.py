@@ -28,9 +28,12 @@ class Solids:
     """Of the bodies."""
     wall_names: list[str]
     """Of what the walls belong to."""
+    loose: list[int]
+    """Numbers of the bodies that obey forces."""
     filled: list[int]
     """Numbers of the bodies that have an inside in which nothing can be."""
 
     @classmethod
     def none(cls) -> Solids:
-        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), np.zeros(0), np.zeros(0), np.zeros(0, int), [], [], [], [])
+        none = np.zeros(0)
+        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), none, none, np.zeros(0, int), [], [], [], [], [])

@@ -43,7 +43,7 @@ class SymplecticEuler(SmallSteps):
     def run(self, dt: float, number: int) -> None:
         """Take so many small steps of dt [s], however unstable."""
         mesh, contacts = self.mesh, self.collisions
-        alone = mesh.alone
+        alone = self.alone
         for step in range(1 if alone else number):
             explicit.step(
                 alone,

@@ -8,11 +8,17 @@ as the press that friction counts is renewed only when the rest has come to an e
 
 import taichi as ti
 
-from sim.cloth.layout import Touches
-from sim.double import Numbers, Vectors, vec3
+from sim.cloth.layout import Loose, Touches
+from sim.double import Numbers, Vectors, mat3, vec3
 
 NOTHING = 1e-30
 """A force of friction below this [N] has no direction."""
+
+
+@ti.func
+def cross(arm: vec3) -> mat3:
+    """The matrix of the cross product with a vector."""
+    return mat3([[0.0, -arm[2], arm[1]], [arm[2], 0.0, -arm[0]], [-arm[1], arm[0], 0.0]])
 
 
 @ti.func
@@ -23,6 +29,42 @@ def carried(c: ti.i32, touch: ti.template(), values: ti.template()) -> vec3:
         i = touch.touch_corner[4 * c + corner]
         if i >= 0:
             total += touch.touch_weight[c][corner] * values[i]
+    return total
+
+
+@ti.func
+def led(c: ti.i32, first: ti.i32, touch: ti.template(), values: ti.template()) -> vec3:
+    """By how much bodies take the sides of a contact apart; their ways and turns are `values` from `first` on."""
+    total = vec3(0.0, 0.0, 0.0)
+    for side in ti.static(range(2)):
+        k = 2 * c + side
+        if touch.touch_body[k] >= 0:
+            row = first + 2 * touch.touch_body[k]
+            total += touch.touch_sum[k] * values[row] + values[row + 1].cross(touch.touch_arm[k])
+    return total
+
+
+@ti.func
+def parted(c: ti.i32, points: ti.i32, touch: ti.template(), values: ti.template()) -> vec3:
+    """How far ways of points, and of bodies in the rows after them, take the sides of a contact apart."""
+    total = led(c, points, touch, values)
+    for corner in ti.static(range(4)):
+        i = touch.touch_corner[4 * c + corner]
+        if 0 <= i < points:
+            total += touch.touch_weight[c][corner] * values[i]
+    return total
+
+
+@ti.func
+def on_body(row: ti.i32, touch: ti.template(), holds: ti.template(), values: ti.template()) -> vec3:
+    """What vectors of contacts add up to on a row of a body: forces, or torques about its centre of mass."""
+    total = vec3(0.0, 0.0, 0.0)
+    for entry in range(holds.first_hold[row // 2], holds.first_hold[row // 2 + 1]):
+        k = holds.of_hold[entry]
+        if row % 2 == 0:
+            total += touch.touch_sum[k] * values[k // 2]
+        else:
+            total += touch.touch_arm[k].cross(values[k // 2])
     return total
 
 
@@ -72,10 +114,12 @@ def works(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3):
 
 
 @ti.func
-def touch_energy(c: ti.i32, touch: ti.template(), start: ti.template(), place: ti.template()) -> ti.f64:
-    """Set the force of a contact; returns what it stores [J]."""
+def touch_energy(
+    c: ti.i32, touch: ti.template(), start: ti.template(), place: ti.template(), way: ti.template()
+) -> ti.f64:
+    """Set the force of a contact; returns what it stores [J]. `way`: of bodies, besides the places of their points."""
     n, k = touch.touch_normal[c], touch.hard[c]
-    there = carried(c, touch, place)
+    there = carried(c, touch, place) + led(c, 0, touch, way)
     moved = there - carried(c, touch, start)
     grip = touch.grip[c] - k * moved
     grip -= n.dot(grip) * n
@@ -119,6 +163,8 @@ def wake(touches: ti.i32, reach: ti.f64, touch: Touches):
     for c in range(touches):
         along = touch.touch_normal[c].dot(touch.touch_trial[c])
         touch.awake[c] = int(along > -reach * touch.hard[c] or most_grip(c, touch) > 0.0)
+        if not touch.awake[c]:
+            touch.touch_way[c] = vec3(0.0, 0.0, 0.0)
 
 
 @ti.kernel
@@ -128,33 +174,49 @@ def harden(
     inertias: ti.f64,
     springs: ti.f64,
     sinking: ti.f64,
+    borne: ti.f64,
     dt: ti.f64,
     mass: Numbers,
     stiff: Numbers,
     thick: Numbers,
     touch: Touches,
+    loose: Loose,
 ):
-    """Set the stiffness with which contacts are looked for: so many times the inertia of their points in a step; or
-    such that the force that is known of would let them sink by a share of their thickness, but not more than so many
-    times that of springs and inertia there."""
+    """Set the stiffness with which contacts are looked for: so many times the inertia of their points in a step, or of
+    the mass of bodies that each has to bear [kg]; or such that the force that is known of would let them sink by a
+    share of their thickness, but not more than so many times that of springs and inertia there.
+
+    Forces that go on from step to step follow what is sunk: with less stiffness than the inertia of all that they bear
+    they come too late, and what lies there is thrown up."""
     for c in range(touches):
-        heavy, loose = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+        heavy, soft = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         for corner in ti.static(range(4)):
             i = touch.touch_corner[4 * c + corner]
             if 0 <= i < points:
                 inertia, squared = mass[i] / (dt * dt), touch.touch_weight[c][corner] ** 2
                 heavy += squared / inertia
-                loose += squared / (inertia + stiff[i])
-        least, most = inertias / ti.max(heavy, 1e-30), springs / ti.max(loose, 1e-30)
+                soft += squared / (inertia + stiff[i])
+        for side in ti.static(range(2)):
+            body = touch.touch_body[2 * c + side]
+            if body >= 0:
+                give = touch.touch_sum[2 * c + side] ** 2 / loose.loose_block[2 * body][0, 0]
+                heavy += give
+                soft += give
+        least, most = inertias / ti.max(heavy, 1e-30), springs / ti.max(soft, 1e-30)
+        least = ti.max(least, inertias * borne / (dt * dt))
         touch.hard[c] = ti.max(least, ti.min(touch.press[c] / (sinking * thick[c]), most))
 
 
 @ti.kernel
-def count_sunk(touches: ti.i32, share: ti.f64, thick: Numbers, touch: Touches, place: Vectors) -> ti.i32:
-    """How many contacts lack more than a share of their thickness."""
+def count_astray(
+    touches: ti.i32, both: ti.i32, share: ti.f64, thick: Numbers, touch: Touches, place: Vectors
+) -> ti.i32:
+    """How many contacts lack more than a share of their thickness, or, of `both`, press from as far."""
     found = 0
     for c in range(touches):
-        if touch.touch_normal[c].dot(carried(c, touch, place)) < touch.law[c][0] - share * thick[c]:
+        n = touch.touch_normal[c]
+        over = n.dot(carried(c, touch, place)) - touch.law[c][0]
+        if over < -share * thick[c] or (both and over > share * thick[c] and n.dot(touch.touch_force[c]) > 0.0):
             found += 1
     return found
 

@@ -50,7 +50,7 @@ class XPBD(SmallSteps):
 
     def run(self, dt: float, number: int) -> None:
         mesh, contacts = self.mesh, self.collisions
-        if not mesh.alone:
+        if not self.alone:
             for left in range(number, 0, -1):
                 self._substep(dt, number, left)
             return

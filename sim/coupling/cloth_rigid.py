@@ -1,7 +1,9 @@
 """Solids as cloth meets them, and what it does to those that obey forces.
 
-In a step bodies move first, and the cloth has to follow; then they get the impulses of their contacts with it. So
-momentum goes from one to the other exactly, but in turns, which is stable while a body is heavier than what it meets.
+In a step bodies move first, as if there were no cloth. Where they go then is not the last word: the equations of the
+cloth have two more rows for each body, its way and its turn, so that both find where they are at the end of the step at
+once, whichever is heavier (`sim.cloth.loose`), and contacts of these bodies with others are among those of the cloth.
+So what rests on cloth rests, and contacts between the two make no energy.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.cloth.collision import Wall
+from sim.cloth.loose import Bodies, Meetings
 from sim.cloth.solids import Solids
 from sim.obstacles import Obstacles
 from sim.rigid.spec import Contact
@@ -37,7 +40,7 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
     parts = (np.concatenate(part) for part in (triangles, slide, hold, body))
     names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
     filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
-    return Solids(places(obstacles, time), *parts, walls, names, wall_names, filled)
+    return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
 
 
 def places(obstacles: Obstacles, time: float) -> np.ndarray:
@@ -49,17 +52,30 @@ def places(obstacles: Obstacles, time: float) -> np.ndarray:
     return np.concatenate(found)
 
 
+def ahead(cloth: ClothPart, rigid: RigidPart, dt: float) -> Bodies:
+    """Bodies where a step of dt [s] took them that the cloth has not changed yet."""
+    loose = cloth.solids.loose
+    inertia = np.linalg.inv(rigid.mobility(rigid.motions()[loose, :9].reshape(-1, 3, 3), np.array(loose, int)))
+    return Bodies(rigid.position[loose], rigid.mass[loose], inertia, rigid.lag[loose], _meetings(loose, rigid, dt))
+
+
+def _meetings(loose: list[int], rigid: RigidPart, dt: float) -> Meetings:
+    """Where bodies touch one another and other solids."""
+    met = rigid.meetings(dt)
+    if met is None:
+        return Meetings.none()
+    pair, place, *others = met
+    row = np.full(rigid.count, -1)
+    row[loose] = np.arange(len(loose))
+    return Meetings(row[pair], place[:, None] - rigid.position[pair], *others)
+
+
 def push(cloth: ClothPart, rigid: RigidPart, dt: float) -> None:
-    """Give bodies what the cloth took from them in a step of dt [s]: the opposite impulses, at the same places."""
-    points, force = cloth.collisions.on_solids()
-    if not len(points):
-        return
-    body = cloth.solids.body[points - cloth.mesh.count]
-    place = cloth.mesh.place.to_numpy()[points]
-    impulse, turning = np.zeros((2, rigid.count, 3))
-    np.add.at(impulse, body, dt * force)
-    np.add.at(turning, body, dt * np.cross(place - rigid.position[body], force))
-    rigid.kick(impulse, turning)
+    """Let bodies give way to the cloth as it found in a step of dt [s]."""
+    collisions, bodies = cloth.collisions, cloth.collisions.loose
+    impulse = dt * (collisions.on_bodies() - bodies.load)
+    rigid.give_way(np.array(cloth.solids.loose), impulse, *bodies.ways())
+    rigid.renew(bodies.taken, collisions.between_bodies())
 
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:

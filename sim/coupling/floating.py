@@ -198,6 +198,13 @@ class Floating:
         self._aim()
         return told
 
+    def pose(self) -> None:
+        """Bodies have gone elsewhere since they were stepped."""
+        self._here = self._local(self.rigid.motions())
+        self._weigh(self._here)
+        self._aim()
+        self.system.boundary.move()
+
     def _local(self, motions: np.ndarray) -> np.ndarray:
         """Of the motions of all bodies those of the free ones, from the system's origin on."""
         mine = motions[self._bodies]

@@ -19,6 +19,7 @@ import numpy as np
 import taichi as ti
 import trimesh
 
+from sim.cloth.loose import Bodies
 from sim.cloth.part import ClothPart, PlacedSheet
 from sim.cloth.state import ClothState
 from sim.cloth.tables import vectors
@@ -69,7 +70,7 @@ class WetCloth:
     """The cloth of a scene, as `system.bodies` or a part of them.
 
     make: samples of the cloth where it is; solids: where points of solids will be after the step [m], or None where
-    none moves; alone: whether nothing else is moved by the fluid.
+    none moves, and bodies that obey forces; alone: whether nothing else is moved by the fluid.
     """
 
     def __init__(
@@ -78,7 +79,7 @@ class WetCloth:
         system: FluidSystem,
         make: Callable[[float], SheetSamples],
         origin: np.ndarray,
-        solids: Callable[[], np.ndarray | None],
+        solids: Callable[[float], tuple[np.ndarray | None, Bodies | None]],
         *,
         alone: bool,
     ):
@@ -117,7 +118,7 @@ class WetCloth:
     def foresee(self, dt: float) -> None:
         self._dt = dt
         last = self.cloth.fluid_force
-        self.cloth.aim(self._until, self._solids())
+        self.cloth.aim(dt, self._until, *self._solids(dt))
         self._sum(self._load, self._steady, last)
         self._integrator.foresee(dt, self._load)
         self._integrator.linearize(dt)
@@ -160,7 +161,7 @@ class WetCloth:
     def settle(self, dt: float) -> dict[str, float]:
         self._load.copy_from(self._found)
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
-        self.cloth.aim(self._until, self._solids())
+        self.cloth.aim(dt, self._until, *self._solids(dt))
         self._integrator.change(dt, self._load)
         self.cloth.fluid_force.copy_from(self._found)
         return self._finish(dt)
@@ -168,7 +169,7 @@ class WetCloth:
     def drift(self, dt: float) -> dict[str, float]:
         self._load.fill(0.0)
         wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
-        self.cloth.aim(self._until, self._solids())
+        self.cloth.aim(dt, self._until, *self._solids(dt))
         self._integrator.foresee(dt, self._load)
         return self._finish(dt)
 

@@ -126,6 +126,8 @@ class RigidPart:
         """Of the fluid on bodies, about their centres of mass [N] and [N m]; whoever couples them keeps them."""
         self.fluid_hold = np.zeros((self.count, 6))
         """Both, of fluid that bodies hold along their surfaces."""
+        self.lag = np.zeros((self.count, 3))
+        """By how much bodies are off where their velocities at the end of the step would have taken them [m]."""
         self.led = np.zeros(self.count, np.int32)
         """1 where a body is to go by its velocity at the end of a step; likewise."""
         row = {name: index for index, name in enumerate(state.names)}
@@ -172,6 +174,8 @@ class RigidPart:
         rows = self.motions()
         for values, before in zip(self._moving, kept, strict=True):
             values[:] = before
+        self._contacts = 0
+        self.lag[:] = 0.0
         return rows
 
     @property
@@ -185,6 +189,40 @@ class RigidPart:
         self.momentum[free] += turning[free]
         turned = self.motions()[free, :9].reshape(-1, 3, 3)
         self.spin[free] = np.einsum("nij,nj->ni", self.mobility(turned, free), self.momentum[free])
+
+    def give_way(self, bodies: np.ndarray, impulse: np.ndarray, way: np.ndarray, turn: np.ndarray) -> None:
+        """Take bodies further by ways [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that they got
+        on it."""
+        self.position[bodies] += way
+        turned = Rotation.from_rotvec(turn) * _rotations(self.rotation[bodies])
+        self.rotation[bodies] = np.roll(turned.as_quat(), 1, axis=1)
+        whole = np.zeros((self.count, 6))
+        whole[bodies] = impulse
+        self.kick(whole[:, :3], whole[:, 3:])
+
+    def meetings(self, dt: float) -> tuple[np.ndarray, ...] | None:
+        """Contacts of the last step, of dt [s], as it left them, but for what bounces: pairs of bodies, places [m],
+        normals towards the first, gaps [m], coefficients of friction while sliding and at rest, and forces on the first
+        [N], in this step and in the one before; None without any."""
+        count, table = self._contacts, self._tables.table
+        if not count:
+            return None
+        pair = table["body"][: 2 * count].reshape(-1, 2)
+        place, normal = table["place"][:count], table["normal"][:count]
+        speed = [self.velocity[k] + np.cross(self.spin[k], place - self._began[k]) for k in pair.T]
+        gap = self._tables.gap[:count] + dt * ((speed[0] - speed[1]) * normal).sum(axis=1)
+        friction = np.column_stack([table["friction"][:count], table["grip"][:count]])
+        moved = place + (self.position - self._began)[pair[:, 0]]
+        return pair, moved, normal, gap, friction, self._pressed, self._remembered
+
+    def _contact_forces(self, dt: float) -> np.ndarray:
+        table, count = self._tables.table, self._contacts
+        return (table["push"][:count, None] * table["normal"][:count] + table["drag"][:count]) / dt
+
+    def renew(self, contacts: np.ndarray, force: np.ndarray) -> None:
+        """Take other forces [N] of some contacts of the last step for known in the next."""
+        lasting = self._known[2][contacts].any(axis=1)
+        self._known[2][contacts[lasting]] = force[lasting]
 
     def mobility(self, turned: np.ndarray, bodies: np.ndarray) -> np.ndarray:
         """Inverse inertia of `bodies` in world axes [1/(kg m^2)], when `turned` so far since they were placed."""
@@ -222,11 +260,14 @@ class RigidPart:
         )
         self._contacts = self._find(dt)
         if self._contacts:
+            self._remembered = self._contact_forces(dt)
             self._press()
+            self._pressed = self._contact_forces(dt)
         self._began[:] = self.position
         free_motion.move(
             self.count, dt, self._mobile, self.led, self._inverse_inertia, self._old[0], self._free[0], self._motion
         )
+        self.lag = dt * self.velocity - (self.position - self._began)
 
     def _steer(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Velocities that take bodies to where they are to be."""
