@@ -159,7 +159,7 @@ class World:
         self.emission = emission
         self.time = time
         if self.obstacles.dynamic:
-            self._build_rigid()
+            self._build_rigid(time)
         if self.sheets:
             self._build_cloth(time)
         if state is None:
@@ -241,7 +241,7 @@ class World:
             if item.name in row:
                 item.motion.resume(state.position[row[item.name]], state.rotation[row[item.name]])
 
-    def _build_rigid(self) -> None:
+    def _build_rigid(self, time: float) -> None:
         from sim.rigid.assemble import assemble
         from sim.rigid.body import RigidState
         from sim.rigid.part import RigidPart
@@ -249,6 +249,7 @@ class World:
         bodies = assemble(self.spec, self.obstacles)
         state = self._rigid_state or RigidState()
         self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, state, bottom=self.floor - self.depth)
+        self.rigid.land({index: item.movement(time) for index, item in self.obstacles.prescribed.items()})
         self._follow()
 
     def untangle(self, time: float) -> None:

@@ -97,6 +97,7 @@ class LooseBodies:
         block[:, 1] = bodies.inertia
         block = block.reshape(-1, 3, 3)
         self._gives = dt * dt * np.linalg.inv(block)
+        self._reach[1::2] = 0.0
         arms = np.linalg.norm(places - self._centre[self.owner], axis=1)
         np.maximum.at(self._reach, 2 * self.owner[self.owner >= 0] + 1, arms[self.owner >= 0])
         self._arrays["loose_block"].from_numpy(_filled(block / (dt * dt), self._arrays["loose_block"]))

@@ -164,7 +164,7 @@ class RigidPart:
             self._part(dt)
         else:
             self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
-        self._land(movements)
+        self.land(movements)
         return self.told
 
     def foresee(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
@@ -276,7 +276,8 @@ class RigidPart:
             self.velocity[k] = (now.carry(self._pivots[k]) - self.position[k]) / dt
             self.spin[k] = (aim * _rotations(self.rotation[k]).inv()).as_rotvec() / dt
 
-    def _land(self, movements: Mapping[int, Movement]) -> None:
+    def land(self, movements: Mapping[int, Movement]) -> None:
+        """Put bodies that do not obey forces to where they are."""
         for k, now in movements.items():
             self.position[k] = now.carry(self._pivots[k])
             self.rotation[k] = _quaternion(now.rotation @ self.bodies[k].shape.turn)

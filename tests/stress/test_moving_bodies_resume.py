@@ -72,3 +72,33 @@ def test_threads_do_not_matter(tmp_path, solver):
         assert done.returncode == 0, done.stderr
     for pattern in ("fluid_*.ply", "state_*.npz", "bodies.csv"):
         assert contents(outs[0], pattern) == contents(outs[1], pattern)
+
+
+def test_two_parts_of_a_box_on_cloth_beside_a_paddle_are_the_whole(simulate):
+    """A paddle that is led to where it is goes on from there: it was struck as if it came from where it was placed."""
+    data = {
+        "fps": 20,
+        "rigid": {
+            "bodies": {
+                "floor": {"shape": {"type": "plane"}},
+                "low": {"shape": {"type": "box", "size": [0.2, 0.05, 0.2]}, "motion": "dynamic", "density": 400}
+                | {"position": [0, 0.025, 0]},
+                "box": {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "motion": "dynamic", "density": 400}
+                | {"position": [0, 0.14, 0.02], "angular_velocity": [1, 2, 0]},
+                "paddle": {"shape": {"type": "box", "size": [0.02, 0.2, 0.1]}, "motion": "prescribed"}
+                | {"position": [0.165, 0.12, 0], "angular_velocity": [0, 6, 0]},
+            }
+        },
+        "cloth": {
+            "sheets": {
+                "rag": {"shape": {"type": "sheet", "size": [0.2, 0.2]}, "spacing": 0.05, "thickness": 0.005}
+                | {"position": [0, 0.07, 0], "mass_per_area": 0.5}
+            }
+        },
+    }
+    whole = simulate(data, 6, "whole", threads=1)
+    first = simulate(data, 4, "first", threads=1)
+    second = simulate(data, 6, "second", first=5, state=first / "state_00004.npz", threads=1)
+    for name in ("cloth_rag_00005.ply", "cloth_rag_00006.ply"):
+        assert (whole / name).read_bytes() == (second / name).read_bytes()
+    assert (whole / "state_00006.npz").read_bytes() == (second / "state_00006.npz").read_bytes()
