@@ -407,7 +407,7 @@ class Collisions:
 
     @property
     def bytes(self) -> int:
-        return 4 * self._room * 8 * 8 + sum(tree.bytes for tree in (*self._own, *self._solid))
+        return 4 * self._room * 8 * 8 + self.loose.bytes + sum(tree.bytes for tree in (*self._own, *self._solid))
 
 
 class _Search:

@@ -105,9 +105,9 @@ class LooseBodies:
         self._arrays["loose_way"].fill(0.0)
 
     def hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """As `held`, where bodies are aimed at, of contacts of the cloth and of `meetings` after them; and list all by
-        bodies."""
-        body, total, arm = self.held(key, weight, self.places, self._centre, self.first)
+        """Of contacts of the cloth with these points and weights, and of `meetings` after them, the bodies, -1 for
+        none, shape [n, 2], sums of weights, [n, 2], and arms [m], [n, 2, 3], as `Touches` has them; lists all."""
+        body, total, arm = self._hold(key, weight)
         if not self.count:
             return body, total, arm
         met = self._meet(np.unique(body[body >= 0]))
@@ -141,18 +141,16 @@ class LooseBodies:
         first, entry = incidence(np.where(body >= 0, body, self.count), self.count)
         self.holds = Holds(first_hold=integers(first), of_hold=integers(entry[: int(first[-1])]))
 
-    def held(
-        self, key: np.ndarray, weight: np.ndarray, places: np.ndarray, centre: np.ndarray, first: int = 0
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of contacts with these points and weights the bodies, -1 for none, shape [n, 2], and sums of weights, [n, 2],
-        and arms [m], [n, 2, 3], as `Touches` has them. `first`: number of the point that `places` [m] begin with."""
+    def _hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of contacts of the cloth."""
         body = np.full((len(key), 2), -1)
         total, arm = np.zeros((len(key), 2)), np.zeros((len(key), 2, 3))
         if self.count and len(key):
-            owner = np.where(key[:, 1:] >= self.first, self.owner[np.maximum(key[:, 1:] - self.first, 0)], -1)
+            corner = key[:, 1:] - self.first
+            owner = np.where(corner >= 0, self.owner[np.maximum(corner, 0)], -1)
             body[:, 0] = owner.max(axis=1)
             mine = np.where(owner >= 0, weight, 0.0)
-            away = places[np.maximum(key[:, 1:] - first, 0)] - centre[body[:, :1]]
+            away = self.places[np.maximum(corner, 0)] - self._centre[body[:, :1]]
             total[:, 0], arm[:, 0] = mine.sum(axis=1), (mine[:, :, None] * away).sum(axis=1)
         return body, total, arm
 
