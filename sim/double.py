@@ -18,3 +18,9 @@ Vectors = ti.types.ndarray(dtype=vec3, ndim=1)
 Quaternions = ti.types.ndarray(dtype=vec4, ndim=1)
 Matrices = ti.types.ndarray(dtype=mat3, ndim=1)
 Singles = ti.types.ndarray(dtype=ti.f32, ndim=1)
+
+
+@ti.func
+def cross_matrix(arm: vec3) -> mat3:
+    """The matrix of the cross product with a vector."""
+    return mat3([[0.0, -arm[2], arm[1]], [arm[2], 0.0, -arm[0]], [-arm[1], arm[0], 0.0]])

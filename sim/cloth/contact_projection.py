@@ -9,8 +9,8 @@ small step before.
 import taichi as ti
 
 from sim.cloth.layout import Holds, Loose, Pace, Points, Touches, Way
-from sim.cloth.touch import NOTHING, cross, led, on_body
-from sim.double import Vectors, vec3
+from sim.cloth.touch import NOTHING, led, on_body
+from sim.double import Vectors, cross_matrix, vec3
 
 
 @ti.func
@@ -192,7 +192,7 @@ def _gives(c: ti.i32, touch: ti.template(), pace: ti.template()) -> ti.f64:
     for side in ti.static(range(2)):
         k = 2 * c + side
         if touch.touch_body[k] >= 0:
-            row, lever = 2 * touch.touch_body[k], cross(touch.touch_arm[k])
+            row, lever = 2 * touch.touch_body[k], cross_matrix(touch.touch_arm[k])
             turning = (lever.transpose() @ pace.body_gives[row + 1] @ lever).trace()
             found += pace.body_shares[row] * (touch.touch_sum[k] ** 2 * pace.body_gives[row][0, 0] + turning)
     return found

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.layout import Holds, Loose
-from sim.cloth.tables import incidence, integers, matrices, numbers, vectors
+from sim.cloth.tables import filled, incidence, integers, matrices, numbers, vectors
 from sim.groups import groups
 
 
@@ -100,8 +99,8 @@ class LooseBodies:
         self._reach[1::2] = 0.0
         arms = np.linalg.norm(places - self._centre[self.owner], axis=1)
         np.maximum.at(self._reach, 2 * self.owner[self.owner >= 0] + 1, arms[self.owner >= 0])
-        self._arrays["loose_block"].from_numpy(_filled(block / (dt * dt), self._arrays["loose_block"]))
-        self.reach.from_numpy(_filled(self._reach, self.reach))
+        filled(self._arrays["loose_block"], block / (dt * dt))
+        filled(self.reach, self._reach)
         self._arrays["loose_way"].fill(0.0)
 
     def hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -114,18 +113,20 @@ class LooseBodies:
         sides = np.where(met.body >= 0, [1.0, -1.0], 0.0)
         arms = sides[:, :, None] * met.arm
         self.load = self.sum(met.body, wrenches(sides, arms, met.force))
-        aim = -(self._gives @ self.load.reshape(-1, 3, 1))[:, :, 0]
-        aim[::2] += np.where(self._touched[:, None], self._lag, 0.0)
-        self._arrays["loose_aim"].from_numpy(_filled(aim, self._arrays["loose_aim"]))
+        filled(self._arrays["loose_aim"], self._ways_by(np.zeros((self.count, 6))))
         whole = np.concatenate([body, met.body])
         self._list(whole)
         return whole, np.concatenate([total, sides]), np.concatenate([arm, arms])
 
     def try_forces(self, wrench: np.ndarray) -> None:
         """Try ways by forces [N] and torques [N m], shape [n, 6]."""
+        filled(self._arrays["loose_way"], self._ways_by(wrench))
+
+    def _ways_by(self, wrench: np.ndarray) -> np.ndarray:
+        """Ways [m] and turns [rad] in a step by forces [N] and torques [N m] in place of those aimed at."""
         way = (self._gives @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
         way[::2] += np.where(self._touched[:, None], self._lag, 0.0)
-        self._arrays["loose_way"].from_numpy(_filled(way, self._arrays["loose_way"]))
+        return way
 
     def _meet(self, touching: np.ndarray) -> Meetings:
         """Find meetings of bodies that the cloth touches, and of all that hang together with them."""
@@ -195,9 +196,3 @@ class LooseBodies:
 def wrenches(total: np.ndarray, arm: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Forces and torques on the sides of contacts, shape [n, 2, 6]."""
     return np.concatenate([total[:, :, None] * force[:, None], np.cross(arm, force[:, None])], axis=2)
-
-
-def _filled(values: np.ndarray, array: ti.Ndarray) -> np.ndarray:
-    whole = np.zeros((array.shape[0], *values.shape[1:]), values.dtype)
-    whole[: len(values)] = values
-    return whole

@@ -15,8 +15,8 @@ from sim.cloth.air import drag, drag_block
 from sim.cloth.hinges import fold, turned
 from sim.cloth.layout import ROWS, Angles, Drag, Holds, Loose, Points, Rows, Strands, Touches
 from sim.cloth.springs import block, line
-from sim.cloth.touch import cross, on_body, slipping, touch_energy
-from sim.double import Matrices, Numbers, Vectors, mat3, vec2, vec3, vec5
+from sim.cloth.touch import on_body, slipping, touch_energy
+from sim.double import Matrices, Numbers, Vectors, cross_matrix, mat3, vec2, vec3, vec5
 
 NOW, DOWN, BEND, SHARE, LOW, HIGH, SETTLED = range(7)
 """Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, and whether
@@ -306,7 +306,7 @@ def linearize(
             if row % 2 == 0:
                 found += touch.touch_sum[k] ** 2 * stiff
             else:
-                lever = cross(touch.touch_arm[k])
+                lever = cross_matrix(touch.touch_arm[k])
                 found += lever @ stiff @ lever.transpose()
         r = on_body(row, touch, holds, touch.touch_force) - inertia @ off
         e.inverse[i] = found.inverse()

@@ -10,18 +10,19 @@ from sim.cloth.layout import Angles, Points, Strands
 
 def integers(values: np.ndarray) -> ti.Ndarray:
     """On the device, with room for one at least."""
-    return _filled(ti.ndarray(ti.i32, max(len(values), 1)), np.asarray(values, np.int32))
+    return filled(ti.ndarray(ti.i32, max(len(values), 1)), np.asarray(values, np.int32))
 
 
 def numbers(values: np.ndarray) -> ti.Ndarray:
-    return _filled(ti.ndarray(ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
+    return filled(ti.ndarray(ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
 def vectors(values: np.ndarray) -> ti.Ndarray:
-    return _filled(ti.Vector.ndarray(3, ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
+    return filled(ti.Vector.ndarray(3, ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
-def _filled(array: ti.Ndarray, values: np.ndarray) -> ti.Ndarray:
+def filled(array: ti.Ndarray, values: np.ndarray) -> ti.Ndarray:
+    """An array with values at its beginning, and zeros behind them."""
     whole = np.zeros((array.shape[0], *values.shape[1:]), values.dtype)
     whole[: len(values)] = values
     array.from_numpy(whole)

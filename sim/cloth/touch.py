@@ -9,16 +9,10 @@ as the press that friction counts is renewed only when the rest has come to an e
 import taichi as ti
 
 from sim.cloth.layout import Loose, Touches
-from sim.double import Numbers, Vectors, mat3, vec3
+from sim.double import Numbers, Vectors, vec3
 
 NOTHING = 1e-30
 """A force of friction below this [N] has no direction."""
-
-
-@ti.func
-def cross(arm: vec3) -> mat3:
-    """The matrix of the cross product with a vector."""
-    return mat3([[0.0, -arm[2], arm[1]], [arm[2], 0.0, -arm[0]], [-arm[1], arm[0], 0.0]])
 
 
 @ti.func

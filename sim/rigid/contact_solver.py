@@ -10,7 +10,7 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 
 import taichi as ti
 
-from sim.double import Integers, Matrices, Numbers, Quaternions, Vectors, mat3, vec2, vec3
+from sim.double import Integers, Matrices, Numbers, Quaternions, Vectors, cross_matrix, mat3, vec2, vec3
 
 Motion = ti.types.argpack(
     position=Vectors,
@@ -45,14 +45,9 @@ what the last sweep added to the impulses and the direction in which they go on 
 
 
 @ti.func
-def _cross_matrix(v: vec3) -> mat3:
-    return mat3([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-
-
-@ti.func
 def _mobility(motion: ti.template(), body: ti.i32, place: vec3) -> mat3:
     """Change of velocity at a place of a body by an impulse there [1/kg]."""
-    arm = _cross_matrix(place - motion.position[body])
+    arm = cross_matrix(place - motion.position[body])
     turning = arm @ motion.inverse_inertia[body] @ arm
     unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     return unit * motion.inverse_mass[body] - turning
