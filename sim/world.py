@@ -214,6 +214,7 @@ class World:
             self._sheet_samples(),
             self.origin,
             self._solids_ahead,
+            self._give_way,
             alone=alone,
         )
         return self.wet_cloth
@@ -355,14 +356,13 @@ class World:
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
         told = {}
-        loose = self.cloth and self.obstacles.dynamic
         if self.rigid and not together:
             told = self.rigid.advance(dt, moved)
             self._follow()
         wet = self.wet_cloth and self.fluid.count
         if self.cloth and not wet:
             told |= self.cloth.advance(dt, until, *self._solids_at(until, dt))
-            if loose:
+            if self.obstacles.dynamic:
                 self._push(dt, until)
         if self.fluid:
             told |= self._advance_fluid(dt, until, moved)
@@ -372,10 +372,6 @@ class World:
             told["held_off"], boundary.held_off = boundary.held_off, 0
         if together:
             self._follow()
-        if wet and loose:
-            self._push(dt, until)
-            if self.floating:
-                self.floating.pose()
         self.time = until
         return told
 
@@ -386,6 +382,12 @@ class World:
         push(self.cloth, self.rigid, dt)
         self._follow()
         self.cloth.settle_solids(places(self.obstacles, until))
+
+    def _give_way(self, dt: float) -> None:
+        """Let wet cloth push dynamic bodies, before the fluid hears where they are."""
+        if self.floating:
+            self._push(dt, self._until)
+            self.floating.pose()
 
     def _solids_at(self, time: float, dt: float) -> tuple[np.ndarray | None, Bodies | None]:
         """Where surfaces that cloth may meet are at `time` [s], if any of them moves, and bodies that obey forces."""

@@ -203,7 +203,6 @@ class Floating:
         self._here = self._local(self.rigid.motions())
         self._weigh(self._here)
         self._aim()
-        self.system.boundary.move()
 
     def _local(self, motions: np.ndarray) -> np.ndarray:
         """Of the motions of all bodies those of the free ones, from the system's origin on."""

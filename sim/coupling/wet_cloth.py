@@ -70,7 +70,8 @@ class WetCloth:
     """The cloth of a scene, as `system.bodies` or a part of them.
 
     make: samples of the cloth where it is; solids: where points of solids will be after the step [m], or None where
-    none moves, and bodies that obey forces; alone: whether nothing else is moved by the fluid.
+    none moves, and bodies that obey forces; push: moves these by what the cloth did to them in a step of so many
+    seconds; alone: whether nothing else is moved by the fluid.
     """
 
     def __init__(
@@ -80,11 +81,12 @@ class WetCloth:
         make: Callable[[float], SheetSamples],
         origin: np.ndarray,
         solids: Callable[[float], tuple[np.ndarray | None, Bodies | None]],
+        push: Callable[[float], None],
         *,
         alone: bool,
     ):
         self.cloth, self.system = cloth, system
-        self._make, self._solids, self._alone = make, solids, alone
+        self._make, self._solids, self._push, self._alone = make, solids, push, alone
         self._integrator = cloth.integrator
         self.reaction = SheetReaction(system)
         layer = system.spec.rest_density * system.spec.spacing
@@ -185,6 +187,7 @@ class WetCloth:
         told = self.cloth.note(self._integrator.settle(dt))
         points, sheets = self.cloth.mesh.points, self.system.boundary.sheets
         sheets.place, sheets.speed = points.position, points.velocity
+        self._push(dt)
         return told
 
     def _shift(self, way: ti.Ndarray, factor: float) -> None:
