@@ -15,7 +15,7 @@ from sim.cloth.mesh import ClothMesh
 from sim.cloth.newton import Newton
 from sim.cloth.place import put
 from sim.cloth.spec import Cloth
-from sim.cloth.tables import integers, numbers, vectors
+from sim.cloth.tables import integers, numbers
 from sim.double import vec3
 
 INERTIAS = 16.0
@@ -155,13 +155,13 @@ class ImplicitEuler:
     def _carry(self, places: np.ndarray) -> None:
         """Put points of solids to places [m], where bodies may take them."""
         if self.collisions.loose.count:
-            put(len(places), self._solids, vectors(places), self.trial.place)
+            put(len(places), self._solids, places, self.trial.place)
 
     def _keep_momentum(self, dt: float) -> None:
         """Move what is adrift by what forces left on it as a whole would."""
         push = self._adrift.push(self.collisions.known, self._newton.force)
         if push is not None:
-            newton_sums.shift(self.mesh.count, dt, vectors(push), self.trial)
+            newton_sums.shift(self.mesh.count, dt, push, self.trial)
 
     @property
     def bytes(self) -> int:

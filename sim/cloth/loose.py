@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.cloth.layout import Holds, Loose
-from sim.cloth.tables import filled, incidence, integers, matrices, numbers, vectors
+from sim.cloth.tables import clear, filled, incidence, integers, matrices, numbers, vectors
 from sim.groups import groups
 
 
@@ -101,7 +101,7 @@ class LooseBodies:
         np.maximum.at(self._reach, 2 * self.owner[self.owner >= 0] + 1, arms[self.owner >= 0])
         filled(self._arrays["loose_block"], block / (dt * dt))
         filled(self.reach, self._reach)
-        self._arrays["loose_way"].fill(0.0)
+        clear(self._arrays["loose_way"])
 
     def hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of contacts of the cloth with these points and weights, and of `meetings` after them, the bodies, -1 for

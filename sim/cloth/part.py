@@ -145,12 +145,12 @@ class ClothPart:
         """Say where held points are at the time `until` [s], after a step of dt [s], and points of solids, which are
         `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
         if moved is not None:
-            put(len(moved), self._solid_rows, vectors(moved), self.mesh.place)
+            put(len(moved), self._solid_rows, moved, self.mesh.place)
         if bodies is not None:
             self.collisions.loose.aim(bodies, moved, dt)
         if self._leads:
             aims = np.concatenate([lead.at(until) for lead in self._leads])
-            put(len(aims), self._led, vectors(aims), self.mesh.place)
+            put(len(aims), self._led, aims, self.mesh.place)
         self.mesh.air.update(self.mesh)
 
     def note(self, told: dict[str, float]) -> dict[str, float]:
@@ -161,7 +161,7 @@ class ClothPart:
 
     def settle_solids(self, places: np.ndarray) -> None:
         """Say where points of solids came to be [m], since bodies gave way."""
-        put(len(places), self._solid_rows, vectors(places), self.mesh.points.position)
+        put(len(places), self._solid_rows, places, self.mesh.points.position)
 
     def measure(self) -> ClothMeasure:
         return self._meter.read()

@@ -117,7 +117,7 @@ class SmallSteps:
         """Put points of bodies to where these have gone."""
         if self._rows:
             places = self.collisions.loose.moved()
-            put(len(places), self._solids, vectors(places), self.mesh.points.position)
+            put(len(places), self._solids, places, self.mesh.points.position)
 
     @staticmethod
     def prompt(number: int) -> float:

@@ -29,6 +29,11 @@ def filled(array: ti.Ndarray, values: np.ndarray) -> ti.Ndarray:
     return array
 
 
+def clear(array: ti.Ndarray) -> None:
+    """Set all elements of a table of vectors to zero: its own `fill` would compile a kernel every time, and keep it."""
+    array.from_numpy(np.zeros((array.shape[0], *array.element_shape)))
+
+
 def incidence(members: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Where each point's entries begin, shape [count + 1], and which they are: k m + slot for `members`, shape [n, k],
     in ascending order."""

@@ -22,7 +22,7 @@ import trimesh
 from sim.cloth.loose import Bodies
 from sim.cloth.part import ClothPart, PlacedSheet
 from sim.cloth.state import ClothState
-from sim.cloth.tables import vectors
+from sim.cloth.tables import clear, vectors
 from sim.coupling import wet_cloth_sums
 from sim.coupling.tightness import Tightness
 from sim.fluid.momentum import Momentum
@@ -125,7 +125,7 @@ class WetCloth:
         self._integrator.foresee(dt, self._load)
         self._integrator.linearize(dt)
         self._expected.copy_from(self._integrator.give_way(last))
-        self._found.fill(0.0)
+        clear(self._found)
         self._pose()
 
     def expect(self, dt: float) -> None:
@@ -149,7 +149,7 @@ class WetCloth:
         self._sum(self._found, self._found, self._pressed)
         self._shift(self._way, 1.0)
         self._shift(self._expected, -1.0)
-        self._expected.fill(0.0)
+        clear(self._expected)
         self._pose()
 
     def hold(self, dt: float) -> None:
@@ -169,7 +169,7 @@ class WetCloth:
         return self._finish(dt)
 
     def drift(self, dt: float) -> dict[str, float]:
-        self._load.fill(0.0)
+        clear(self._load)
         wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
         self.cloth.aim(dt, self._until, *self._solids(dt))
         self._integrator.foresee(dt, self._load)
