@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidState
     from sim.rigid.body import RigidState
 
-FORMAT = 3
+FORMAT = 4
 UNREADABLE = (
     *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
     *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),
@@ -112,7 +112,7 @@ class Checkpoint:
             from sim.rigid.body import RigidState
 
             rigid = RigidState(head.dynamic_bodies, **_material(path, arrays, "rigid", RigidState()))
-            bodies = (rigid.position, rigid.rotation, rigid.velocity, rigid.momentum)
+            bodies = (rigid.position, rigid.rotation, rigid.velocity, rigid.momentum, rigid.late)
             by_fluid = (rigid.fluid_force, rigid.fluid_torque, rigid.fluid_hold)
             _refuse_lengths(path, {len(rigid.names), *map(len, (*bodies, *by_fluid))})
         if head.sheets is not None:

@@ -24,6 +24,8 @@ class RigidState:
     """[m/s]"""
     momentum: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """Angular, about the centre of mass, in world axes [kg m^2/s]."""
+    late: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    """By how much both are those of an earlier time [s]."""
     fluid_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """That the next step begins with [N]."""
     fluid_torque: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))

@@ -29,6 +29,7 @@ Contacts = ti.types.argpack(
     body=Integers,
     place=Vectors,
     normal=Vectors,
+    carried=Vectors,
     limit=Numbers,
     friction=Numbers,
     grip=Numbers,
@@ -39,8 +40,8 @@ Contacts = ti.types.argpack(
     gain=Vectors,
     course=Vectors,
 )
-"""Contacts: both bodies, place [m], normal towards the first, the least relative velocity along it [m/s], coefficients
-of friction while sliding and at rest, impulses along the normal and across [N s], and their effective masses [kg];
+"""Contacts: both bodies, place [m], normal towards the first, what turning adds over the step to the relative velocity
+across and the least one along it [m/s], coefficients of friction while sliding and at rest, impulses along the normal and across [N s], and their effective masses [kg];
 what the last sweep added to the impulses and the direction in which they go on [N s]."""
 
 
@@ -167,7 +168,7 @@ def _settle(motion: ti.template(), contacts: ti.template(), c: ti.i32) -> ti.f64
 
     drag = contacts.drag[c]
     if push > 0.0 or drag.norm_sqr() > 0.0:
-        sliding = relative_velocity(motion, contacts, c)
+        sliding = relative_velocity(motion, contacts, c) + contacts.carried[c]
         sliding -= n * n.dot(sliding)
         wanted = drag - contacts.across[c] * sliding
         length = wanted.norm()

@@ -1,4 +1,10 @@
-"""Bodies between contacts: what forces do to velocities, and velocities to places."""
+"""Bodies between contacts: what forces do to velocities, and velocities to places.
+
+Velocities that take a body through a step are those of its middle (leapfrog, Verlet 1967): steady forces, contacts of
+what slides and rolls among them, then move it exactly as they should. A body that meets nothing has its velocity
+brought to the end of the step at once. One that touches something keeps that of the middle, since the force there is
+found with the next step, and is `late` by half of this one.
+"""
 
 import taichi as ti
 
@@ -13,6 +19,8 @@ def accelerate(
     dt: ti.f64,
     gravity: vec3,
     free: Integers,
+    led: Integers,
+    late: Numbers,
     mass: Numbers,
     inverse_inertia: Matrices,
     force: Vectors,
@@ -24,9 +32,11 @@ def accelerate(
     old_spin: Vectors,
     free_velocity: Vectors,
     free_spin: Vectors,
+    middle: Vectors,
 ):
-    """Gravity [m/s^2], forces [N] and torques [N m] act on free bodies for dt [s]; velocities are kept as they
-    were before, and as they are then.
+    """Gravity [m/s^2], forces [N] and torques [N m] act on free bodies up to the middle of a step of dt [s], on those
+    `led` up to its end. Velocities are kept as they were before, as they would be at the end if nothing were met, and
+    in the middle.
 
     What the fluid does counts as if it had been done before: forces that change from step to step must not be taken
     for constant, or bodies that bob would gain energy.
@@ -39,16 +49,21 @@ def accelerate(
             motion.inverse_inertia[b] = turn @ inverse_inertia[b] @ turn.transpose()
             motion.velocity[b] += dt / mass[b] * fluid_force[b]
             motion.momentum[b] += dt * fluid_torque[b]
+            pull = gravity + force[b] / mass[b]
             old_velocity[b] = motion.velocity[b]
             old_spin[b] = motion.inverse_inertia[b] @ motion.momentum[b]
-            motion.velocity[b] += dt * (gravity + force[b] / mass[b])
-            motion.momentum[b] += dt * torque[b]
+            free_velocity[b] = motion.velocity[b] + dt * pull
+            free_spin[b] = motion.inverse_inertia[b] @ (motion.momentum[b] + dt * torque[b])
+            ahead = late[b] + ti.select(led[b] == 1, dt, 0.5 * dt)
+            motion.velocity[b] += ahead * pull
+            motion.momentum[b] += ahead * torque[b]
             motion.spin[b] = motion.inverse_inertia[b] @ motion.momentum[b]
         else:
             old_velocity[b] = motion.velocity[b]
             old_spin[b] = motion.spin[b]
-        free_velocity[b] = motion.velocity[b]
-        free_spin[b] = motion.spin[b]
+            free_velocity[b] = motion.velocity[b]
+            free_spin[b] = motion.spin[b]
+        middle[b] = motion.velocity[b]
 
 
 @ti.kernel
@@ -58,19 +73,26 @@ def move(
     free: Integers,
     led: Integers,
     inverse_inertia: Matrices,
+    torque: Vectors,
     old_velocity: Vectors,
     free_velocity: Vectors,
+    middle: Vectors,
     motion: Motion,
+    late: Numbers,
 ):
-    """Carry free bodies on for dt [s]: on a parabola, exactly, where nothing was met; those `led` by their velocities
-    at the end of the step, as the fluid that moves them is (symplectic Euler)."""
+    """Carry free bodies on for dt [s], and bring the velocities of those that have met nothing to the end of the step;
+    those `led` have that already and go by it, as the fluid that moves them does (symplectic Euler)."""
     for b in range(count):
         if free[b] == 1:
-            way = dt * motion.velocity[b]
-            if led[b] == 0 and (motion.velocity[b] - free_velocity[b]).norm_sqr() == 0.0:
-                way = 0.5 * dt * (old_velocity[b] + motion.velocity[b])
-            motion.position[b] += way
+            motion.position[b] += dt * motion.velocity[b]
             motion.rotation[b] = spun(motion.rotation[b], motion.momentum[b], inverse_inertia[b], dt)
+            late[b] = 0.0
+            if led[b] == 0:
+                if (motion.velocity[b] - middle[b]).norm_sqr() == 0.0:
+                    motion.velocity[b] += 0.5 * (free_velocity[b] - old_velocity[b])
+                    motion.momentum[b] += 0.5 * dt * torque[b]
+                else:
+                    late[b] = 0.5 * dt
             motion.spin[b] = angular_velocity(motion.rotation[b], motion.momentum[b], inverse_inertia[b])
 
 

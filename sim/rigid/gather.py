@@ -5,7 +5,7 @@ import taichi as ti
 from sim.double import Integers, Numbers, Vectors, vec3
 from sim.rigid.contact_solver import Contacts, Motion, relative_velocity
 from sim.rigid.manifold import MOST, Found
-from sim.rigid.rotation import rotation_of
+from sim.rigid.rotation import beyond, rotation_of
 
 NEAR = 0.3
 """A contact goes on from the nearest of its pair in the step before, within this share of the smaller body."""
@@ -46,6 +46,7 @@ def gather(
             contacts.place[c], contacts.normal[c] = here, n
             gap[c] = found.apart[source]
             contacts.limit[c] = -ti.max(found.apart[source] - CLOSED * size[k], 0.0) / dt - dt * found.bend[source]
+            contacts.carried[c] = _carried(motion, a, b, here, n, dt)
             contacts.friction[c] = material[3 * k]
             contacts.grip[c] = material[3 * k + 1]
             restitution[c] = material[3 * k + 2]
@@ -57,6 +58,25 @@ def gather(
                     nearest, force = away, known_force[old]
             contacts.push[c] = dt * ti.max(force.dot(n), 0.0)
             contacts.drag[c] = dt * (force - n * force.dot(n))
+
+
+@ti.func
+def _carried(motion: ti.template(), a: ti.i32, b: ti.i32, here: vec3, n: vec3, dt: ti.f64) -> vec3:
+    """What the turning of both bodies adds to the relative velocity of their material where they touch, over dt [s]: it
+    goes along arcs, and not along the tangents that velocities at the start say [m/s].
+
+    Bodies turn there about the normal, each by itself, and together across it: by the lesser of the two, since the rest
+    is rolling, which has other material touch.
+    """
+    spin_a, spin_b = motion.spin[a], motion.spin[b]
+    along_a, along_b = n.dot(spin_a) * n, n.dot(spin_b) * n
+    across_a, across_b = spin_a - along_a, spin_b - along_b
+    common = across_b
+    if across_a.norm_sqr() < across_b.norm_sqr():
+        common = across_a
+    arc_a = beyond(dt * (along_a + common), here - motion.position[a])
+    arc_b = beyond(dt * (along_b + common), here - motion.position[b])
+    return (arc_a - arc_b) / dt
 
 
 @ti.kernel

@@ -49,7 +49,7 @@ MOST_ROUNDS = 100
 """Of blows that pass from pair to pair."""
 
 
-KEPT = ("position", "rotation", "velocity", "momentum", "fluid_force", "fluid_torque", "fluid_hold")
+KEPT = ("position", "rotation", "velocity", "momentum", "late", "fluid_force", "fluid_torque", "fluid_hold")
 """What a state has of each free body."""
 
 
@@ -128,6 +128,8 @@ class RigidPart:
         """Both, of fluid that bodies hold along their surfaces."""
         self.lag = np.zeros((self.count, 3))
         """By how much bodies are off where their velocities at the end of the step would have taken them [m]."""
+        self.late = np.zeros(self.count)
+        """By how much velocities and momenta are those of an earlier time [s]."""
         self.led = np.zeros(self.count, np.int32)
         """1 where a body is to go by its velocity at the end of a step; likewise."""
         row = {name: index for index, name in enumerate(state.names)}
@@ -150,6 +152,7 @@ class RigidPart:
         self._met = _motion(shared | {"position": self._began}, self.velocity, self.spin, self.momentum)
         # Others of the same bodies: before the step, at its end without contact, while blows pass on, while parting.
         self._old, self._free, self._blow, self._apart = (np.zeros((3, self.count, 3)) for _ in range(4))
+        self._middle_velocity = np.zeros((self.count, 3))
         self._blown, self._parting = _motion(shared, *self._blow), _motion(shared, *self._apart)
 
     def advance(self, dt: float, movements: Mapping[int, Movement]) -> dict[str, float]:
@@ -180,7 +183,7 @@ class RigidPart:
 
     @property
     def _moving(self) -> tuple[np.ndarray, ...]:
-        return self.position, self.rotation, self.velocity, self.spin, self.momentum
+        return self.position, self.rotation, self.velocity, self.spin, self.momentum, self.late
 
     def kick(self, impulse: np.ndarray, turning: np.ndarray) -> None:
         """Change velocities at once by impulses at the centres of mass [N s] and about them [N m s], shape [n, 3]."""
@@ -248,6 +251,8 @@ class RigidPart:
             dt,
             vec3(*self.gravity),
             self._mobile,
+            self.led,
+            self.late,
             self._mass,
             self._inverse_inertia,
             self._force,
@@ -257,6 +262,7 @@ class RigidPart:
             self._motion,
             *self._old[:2],
             *self._free[:2],
+            self._middle_velocity,
         )
         self._contacts = self._find(dt)
         if self._contacts:
@@ -265,7 +271,17 @@ class RigidPart:
             self._pressed = self._contact_forces(dt)
         self._began[:] = self.position
         free_motion.move(
-            self.count, dt, self._mobile, self.led, self._inverse_inertia, self._old[0], self._free[0], self._motion
+            self.count,
+            dt,
+            self._mobile,
+            self.led,
+            self._inverse_inertia,
+            self._torque,
+            self._old[0],
+            self._free[0],
+            self._middle_velocity,
+            self._motion,
+            self.late,
         )
         self.lag = dt * self.velocity - (self.position - self._began)
 
@@ -423,6 +439,7 @@ class RigidPart:
             self._motion,
             tables.bouncing,
         )
+        self.late[tables.table["body"][: 2 * self._contacts][np.repeat(tables.struck[: self._contacts] == 2, 2)]] = 0.0
 
     def _remember(self, dt: float) -> None:
         place, force = np.zeros((self._contacts, 3)), np.zeros((self._contacts, 3))
@@ -495,6 +512,7 @@ class RigidPart:
             self.rotation[free],
             self.velocity[free],
             self.momentum[free],
+            self.late[free],
             self.fluid_force[free],
             self.fluid_torque[free],
             self.fluid_hold[free],

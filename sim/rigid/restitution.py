@@ -10,8 +10,10 @@ import taichi as ti
 from sim.double import Integers, Numbers, Vectors
 from sim.rigid.contact_solver import Contacts, Motion, relative, relative_velocity, strike
 
-WITHIN = 8
-"""Sweeps over the contacts of one pair."""
+WITHIN = 1000
+"""Most sweeps over the contacts of one pair."""
+EVEN = 1e-9
+"""They end when none changes a relative velocity by more than this share of the fastest approach."""
 UNLIMITED = 1e9
 """Speed [m/s] that no contact has."""
 
@@ -85,24 +87,28 @@ def rebound(
         while again and rounds < most:
             again = False
             for k in range(pairs):
-                fast = False
+                fast, change = False, ti.cast(0.0, ti.f64)
                 for c in range(first[k], first[k] + number[k]):
                     blow[c] = 0.0
                     target[c] = 0.0
                     if struck[c] > 0:
                         speed = contacts.normal[c].dot(relative_velocity(motion, contacts, c)) + extra[c]
                         if speed < -slow[c]:
-                            fast = True
+                            fast, change = True, ti.max(change, -speed)
                             target[c] = -restitution[c] * speed
                 if fast:
                     again = True
-                    for _sweep in range(WITHIN):
+                    least, sweeps = EVEN * change, 0
+                    while change > least and sweeps < WITHIN:
+                        sweeps += 1
+                        change = 0.0
                         for c in range(first[k], first[k] + number[k]):
                             if struck[c] > 0:
                                 n = contacts.normal[c]
                                 speed = n.dot(relative_velocity(motion, contacts, c)) + extra[c]
                                 more = ti.max(blow[c] + contacts.along[c] * (target[c] - speed), 0.0) - blow[c]
                                 blow[c] += more
+                                change = ti.max(change, abs(more) / contacts.along[c])
                                 strike(motion, contacts, c, more * n)
                                 if blow[c] > 0.0:
                                     struck[c] = 2

@@ -36,6 +36,20 @@ def turned(q: vec4, way: vec3) -> vec4:
 
 
 @ti.func
+def beyond(way: vec3, arm: vec3) -> vec3:
+    """(R - 1) arm - way x arm for the turn R about the axis `way` by its length [rad]: how far the arc leads away from
+    its tangent (Rodrigues 1840)."""
+    angle = way.norm()
+    # (sin(angle) - angle) / angle^3 and (1 - cos(angle)) / angle^2, by their series where digits would be lost.
+    odd, even = -1.0 / 6.0 + angle * angle / 120.0, 0.5 - angle * angle / 24.0
+    if angle > 1e-2:
+        odd = (ti.sin(angle) - angle) / (angle * angle * angle)
+        even = (1.0 - ti.cos(angle)) / (angle * angle)
+    once = way.cross(arm)
+    return odd * angle * angle * once + even * way.cross(once)
+
+
+@ti.func
 def angular_velocity(q: vec4, momentum: vec3, inverse_inertia: mat3) -> vec3:
     """R I^-1 R^T L [rad/s] of a body with the inverse inertia in its own axes [1/(kg m^2)]."""
     rotation = rotation_of(q)

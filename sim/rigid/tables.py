@@ -74,14 +74,14 @@ class ContactTables:
         self.extra, self.slow, self.blow = np.zeros(most), np.zeros(most), np.zeros(most)
         self.struck = integers(np.zeros(most))
         self.table = {name: np.zeros(most) for name in ("limit", "friction", "grip", "push", "along", "across")}
-        self.table |= {name: _rows(most) for name in ("place", "normal", "drag", "gain", "course")}
+        self.table |= {name: _rows(most) for name in ("place", "normal", "carried", "drag", "gain", "course")}
         self.table["body"] = integers(np.zeros(2 * most))
         self.pressed = Contacts(**self.table)
         self.target = np.zeros(most)
         self.bouncing = Contacts(**(self.table | {"limit": self.target}))
         none = np.zeros(most)
         self.apart, self.thrust, self.slip = np.zeros(most), np.zeros(most), _rows(most)
-        own = {"limit": self.apart, "push": self.thrust, "drag": self.slip, "friction": none, "grip": none}
+        own = {"limit": self.apart, "push": self.thrust, "drag": self.slip, "friction": none, "grip": none, "carried": _rows(most)}
         self.parting = Contacts(**(self.table | own))
 
     @property

@@ -1,0 +1,100 @@
+"""Bodies that fall, slide, roll and ride are where they should be: exactly under forces that do not change, to second
+order in the step where these begin or end within one."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+
+from sim.rigid.part import SLACK
+from tests.bodies import G, ball, box, ground, part, step, turn
+
+STEPS = (8e-3, 4e-3, 2e-3, 1e-3)
+ROUNDING = 1e-10
+"""Of some hundred steps [m]; a first order would leave half a millimetre."""
+
+
+def slope(body: dict, angle: float, friction: float, above: float, dt: float) -> float:
+    """How far [m] a body comes down a slope in half a second, its centre `above` it [m]."""
+    down, up = np.array([np.cos(angle), -np.sin(angle), 0]), np.array([np.sin(angle), np.cos(angle), 0])
+    bodies = part(
+        {"body": body | {"position": list(above * up), "friction": friction}, "slope": ground(angle, friction=friction)}
+    )
+    before = bodies.position[0].copy()
+    step(bodies, 0.5, dt=dt)
+    return float((bodies.position[0] - before) @ down)
+
+
+@pytest.mark.parametrize("dt", STEPS)
+def test_what_falls_slides_or_rolls_goes_exactly_as_far(dt):
+    """a t^2 / 2 with a = g; g (sin - mu cos); 5/7 g sin; F/m - mu g."""
+    fall = part({"box": box((0.1, 0.1, 0.1), position=[0, 9, 0])})
+    step(fall, 0.5, dt=dt)
+    assert fall.position[0, 1] - 9 == pytest.approx(-G / 8, abs=ROUNDING)
+
+    angle, friction = np.radians(40), 0.5
+    down = slope(box((0.2, 0.1, 0.2), rotation=turn((0, 0, 1), -angle)), angle, friction, 0.05, dt)
+    assert down == pytest.approx(G * (np.sin(angle) - friction * np.cos(angle)) / 8, abs=ROUNDING)
+
+    down = slope(ball(0.1), np.radians(30), 0.8, 0.1, dt)
+    assert down == pytest.approx(5 / 7 * G * np.sin(np.radians(30)) / 8, abs=ROUNDING)
+
+    pushed = box((0.2, 0.1, 0.2), position=[0, 0.05, 0], force=[60, 0, 0], mass=10, friction=0.3)
+    bodies = part({"box": pushed, "floor": ground(friction=0.3)})
+    step(bodies, 0.5, dt=dt)
+    assert bodies.position[0, 0] == pytest.approx((6 - 0.3 * G) / 8, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("dt", STEPS)
+def test_what_stops_or_begins_to_roll_does_so_in_time(dt):
+    """After v^2 / (2 mu g) a box stands; after v t - mu g t^2 / 2, t = 2 v / (7 mu g), a ball rolls on with 5/7 v. Both
+    end within a step, in which friction is taken for even: at most mu g dt^2 / 4 off [m]."""
+    friction, speed = 0.3, 1.0
+    bound = friction * G * dt**2 / 4
+    surface = {"friction": friction}
+    slides = box((0.2, 0.1, 0.2), position=[0, 0.05, 0], velocity=[speed, 0, 0], **surface)
+    bodies = part({"box": slides, "floor": ground(**surface)})
+    step(bodies, 0.6, dt=dt)
+    assert bodies.position[0, 0] == pytest.approx(speed**2 / (2 * friction * G), abs=bound)
+
+    bodies = part(
+        {"ball": ball(0.1, position=[0, 0.1, 0], velocity=[speed, 0, 0], **surface), "floor": ground(**surface)}
+    )
+    step(bodies, 0.6, dt=dt)
+    time = 2 * speed / (7 * friction * G)
+    way = speed * time - friction * G * time**2 / 2 + 5 / 7 * speed * (0.6 - time)
+    assert bodies.position[0, 0] == pytest.approx(way, abs=2 * bound)
+
+
+def test_a_crate_on_a_turntable_rides_for_ever(simulate):
+    """Where w^2 r < mu g: here .92 of it, five turns. Each contact may slip by `contact_error`, 1e-8 m/s."""
+    speed, radius, seconds = 3.0, 0.5, 10
+    crate = box((0.1, 0.1, 0.1), position=[radius, 0.05, 0], velocity=[0, 0, -speed * radius])
+    table = {"shape": {"type": "cylinder", "radius": 1, "height": 0.1}, "motion": "prescribed"}
+    table |= {"position": [0, -0.05, 0], "angular_velocity": [0, speed, 0]}
+    rides = crate | {"angular_velocity": [0, speed, 0]}
+    x, _, z = places(simulate({"fps": 1, "rigid": {"bodies": {"table": table, "rides": rides}}}, seconds), "rides").T
+    assert np.hypot(x, z) == pytest.approx(radius, abs=1e-8 * seconds)
+    assert np.arctan2(-z, x) == pytest.approx(np.angle(np.exp(1j * speed * np.arange(seconds + 1))), abs=1e-6)
+
+
+def test_a_crate_on_a_ramp_that_tips_stays_where_it_is(simulate):
+    """The ramp turns by 17 degrees about an axis two metres away, with a crate that friction holds."""
+    spin, start = 0.5, np.array([2, 0.15, 0])
+    ramp = {"shape": {"type": "box", "size": [5, 0.1, 1]}, "motion": "prescribed", "angular_velocity": [0, 0, spin]}
+    crate = box((0.2, 0.2, 0.2), position=start.tolist(), velocity=np.cross([0, 0, spin], start).tolist())
+    bodies = {"ramp": ramp, "crate": crate | {"angular_velocity": [0, 0, spin], "friction": 1.2}}
+    found = places(simulate({"fps": 10, "rigid": {"bodies": bodies}}, 6), "crate")
+    angle = 0.1 * spin * np.arange(len(found))
+    along = found[:, 0] * np.cos(angle) + found[:, 1] * np.sin(angle)
+    above = found[:, 1] * np.cos(angle) - found[:, 0] * np.sin(angle)
+    assert along == pytest.approx(np.full(len(found), start[0]), abs=1e-7)
+    assert above == pytest.approx(np.full(len(found), start[1]), abs=SLACK * 0.2)
+
+
+def places(folder, name: str) -> np.ndarray:
+    """Where a body is in each frame [m], shape [frames, 3]."""
+    with (folder / "bodies.csv").open() as rows:
+        return np.array([[row[axis] for axis in "xyz"] for row in csv.DictReader(rows) if row["body"] == name], float)
