@@ -1,4 +1,4 @@
-"""What a run keeps in memory: at most 1 kB a particle, lists of neighbours included, all of it counted; no step adds."""
+"""What a run keeps in memory: at most 1 kB a particle, with lists of neighbours, all of it counted; no step adds."""
 
 from __future__ import annotations
 

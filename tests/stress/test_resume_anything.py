@@ -1,0 +1,38 @@
+"""Scenes drawn from all features, cut at some frame and gone on with, give the bytes of the run in one.
+
+`pytest -m slow tests/stress/test_resume_anything.py` draws two hundred of them.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from sim.settings import Refused
+from sim.spec import SimulationSpec
+from sim.support import refuse_unsupported
+from tests.stress.any_scene import FRAMES, Draw
+from tests.stress.scenes import contents
+
+FAST = (4, 6, 16, 28)
+"""Water, bodies and cloth; sheets and bodies by XPBD, and by symplectic Euler; water, a paddle and free bodies."""
+
+
+@pytest.mark.parametrize("seed", [*FAST, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(100, 300))])
+def test_any_scene_goes_on_to_the_same_bytes(simulate, seed):
+    scene, cut = Draw(seed).scene(), 1 + seed % (FRAMES - 1)
+    refuse_unsupported(SimulationSpec.model_validate(scene))
+    try:
+        whole = simulate(scene, FRAMES, "whole")
+    except Refused as refused:
+        pytest.skip(f"refused: {refused.args[0]}")
+    first = simulate(scene, cut, "first")
+    second = simulate(scene, FRAMES, "second", first=cut + 1, state=first / f"state_{cut:05d}.npz")
+    assert contents(first, "*.ply") | contents(second, "*.ply") == contents(whole, "*.ply")
+    assert contents(second, f"state_{FRAMES:05d}.npz") == contents(whole, f"state_{FRAMES:05d}.npz")
+    assert rows(first / "bodies.csv") + rows(second / "bodies.csv") == rows(whole / "bodies.csv")
+    assert rows(first / "probes.csv") + rows(second / "probes.csv") == rows(whole / "probes.csv")
+
+
+def rows(path) -> list[str]:
+    """Of a table that a run may have written, without its head."""
+    return path.read_text().splitlines()[1:] if path.exists() else []
