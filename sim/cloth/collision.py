@@ -18,6 +18,7 @@ from sim.cloth.crowding import Crowding
 from sim.cloth.layout import Touches
 from sim.cloth.loose import LooseBodies, wrenches
 from sim.cloth.mesh import ClothMesh
+from sim.cloth.roundness import Roundness
 from sim.cloth.search import EDGE, PLANE, POINT, Hits
 from sim.cloth.surfaces import Surface, Tree
 from sim.cloth.tables import incidence, integers, numbers, vectors
@@ -104,6 +105,7 @@ class Collisions:
         self._own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
         self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()
         points, edges = integers(cloth.points), self._own[1].member
+        self._round = Roundness(solids.triangles, places, mesh.count) if solids else None
         self._crowding = Crowding(mesh, half)
         self._searches = [
             _Search(False, False, points, len(cloth.points), self._own[0], self._crowding),
@@ -140,7 +142,8 @@ class Collisions:
             self._upload()
             return
         apart, normal, weight = self._nearest(known, start)
-        keep = (apart < NEAR * known.thick) & (apart > 0)
+        normal, real = self._facing(known.key, weight, normal, start, start)
+        keep = (apart < NEAR * known.thick) & (apart > 0) & real
         known.limit = self._limits(known, apart)
         known.normal, known.weight = normal, weight
         self.known = known.take(np.flatnonzero(keep))
@@ -271,7 +274,9 @@ class Collisions:
                 corners, weight, normal = corners[between], weight[between], normal[between]
             if len(corners):
                 kind = np.full((len(corners), 1), EDGE if one.edges else POINT, np.int32)
-                parts.append(self._unknown(np.concatenate([kind, corners], axis=1), weight, normal))
+                key = np.concatenate([kind, corners], axis=1)
+                normal, real = self._facing(key, weight, normal, start, place)
+                parts.append(self._unknown(key, weight, normal).take(np.flatnonzero(real)))
         for index, wall in enumerate(self.walls):
             points = self._near_wall(wall, place, early)
             key = np.full((len(points), 5), -1, np.int32)
@@ -348,6 +353,14 @@ class Collisions:
             points = place.to_numpy()[known.key[planes, 1]]
             apart[planes] = (points * known.normal[planes]).sum(axis=1) - self._offset(known.key[planes])
         return apart, normal, weight
+
+    def _facing(
+        self, key: np.ndarray, weight: np.ndarray, normal: np.ndarray, start: ti.Ndarray, place: ti.Ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Normals of contacts, of which `normal` holds for triangles, where solids may be round, and which are none."""
+        if self._round is None or self._round.flat:
+            return normal, np.ones(len(key), bool)
+        return self._round.normals(key, weight, normal, start.to_numpy(), place.to_numpy())
 
     def _keep_forces(self) -> None:
         own = len(self.known.key)

@@ -41,8 +41,9 @@ Contacts = ti.types.argpack(
     course=Vectors,
 )
 """Contacts: both bodies, place [m], normal towards the first, what turning adds over the step to the relative velocity
-across and the least one along it [m/s], coefficients of friction while sliding and at rest, impulses along the normal and across [N s], and their effective masses [kg];
-what the last sweep added to the impulses and the direction in which they go on [N s]."""
+across, and the least one along the normal [m/s], coefficients of friction while sliding and at rest, impulses along the
+normal and across [N s], and their effective masses [kg]; what the last sweep added to the impulses and the direction in
+which they go on [N s]."""
 
 
 @ti.func

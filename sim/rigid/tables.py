@@ -81,7 +81,8 @@ class ContactTables:
         self.bouncing = Contacts(**(self.table | {"limit": self.target}))
         none = np.zeros(most)
         self.apart, self.thrust, self.slip = np.zeros(most), np.zeros(most), _rows(most)
-        own = {"limit": self.apart, "push": self.thrust, "drag": self.slip, "friction": none, "grip": none, "carried": _rows(most)}
+        own = {"limit": self.apart, "push": self.thrust, "drag": self.slip, "friction": none, "grip": none}
+        own["carried"] = _rows(most)
         self.parting = Contacts(**(self.table | own))
 
     @property
