@@ -11,21 +11,31 @@ BODIES = {
     "ball": ball(0.1),
     "box": box((0.2, 0.2, 0.2)),
     "capsule": {"motion": "dynamic", "shape": {"type": "capsule", "radius": 0.1, "height": 0.2}},
+    "can": {"motion": "dynamic", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.2}},
+    "wheel": {"motion": "dynamic", "shape": {"type": "cylinder", "radius": 0.1, "height": 0.2}}
+    | {"rotation": turn((1, 0, 0), np.pi / 2)},
+    "coin": {"motion": "dynamic", "shape": {"type": "cylinder", "radius": 0.15, "height": 0.03}},
+    "ring": {"motion": "dynamic", "shape": {"type": "torus", "radius": 0.1, "tube_radius": 0.04}},
 }
+BELOW = {"capsule": 0.2, "coin": 0.015, "ring": 0.04}
+"""How far down from their centres bodies go that are not 0.1 m high there [m]."""
+FLAT = ("can", "wheel", "coin", "ring")
 
 
 @pytest.mark.parametrize(
-    ("name", "restitution"), [("ball", 0.5), ("ball", 0.8), ("ball", 1.0), ("box", 0.5), ("capsule", 0.8)]
+    ("name", "restitution"),
+    [("ball", 0.5), ("ball", 0.8), ("ball", 1.0), ("box", 0.5), ("capsule", 0.8), *((name, 0.7) for name in FLAT)],
 )
 def test_bounces_are_as_high_as_they_should_be(name, restitution):
-    """e^2n h, each the same from one bounce to the next."""
+    """e^2n h, each the same from one bounce to the next, and upright: what lands flat bounces flat."""
     drop = 1.0
     surface = {"restitution": restitution}
-    below = 0.2 if name == "capsule" else 0.1
+    below = BELOW.get(name, 0.1)
     bodies = part({name: {**BODIES[name], "position": [0, drop + below, 0], **surface}, "floor": ground(**surface)})
     tops = bounces(bodies, 2.2, below)
     expected = [drop * restitution ** (2 * n) for n in range(1, 4 if restitution < 1 else 3)]
     assert tops[: len(expected)] == pytest.approx(expected, rel=0.01)
+    assert np.abs(bodies.spin).max() < 1e-4
 
 
 def test_a_box_that_lands_flat_bounces_flat():
