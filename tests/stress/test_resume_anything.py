@@ -37,3 +37,18 @@ def test_any_scene_goes_on_to_the_same_bytes(simulate, seed):
 def rows(path) -> list[str]:
     """Of a table that a run may have written, without its head."""
     return path.read_text().splitlines()[1:] if path.exists() else []
+
+
+@pytest.mark.parametrize("seed", [106, pytest.param(104, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("length", [1, 4])
+def test_segments_of_any_length_are_the_whole(simulate, seed, length):
+    """Where Snakemake cuts a film does not show in it."""
+    scene = Draw(seed).scene()
+    whole = contents(simulate(scene, FRAMES, "whole"), "*.ply")
+    parts, state, first = {}, None, 0
+    while first <= FRAMES:
+        last = min(first + length - (first > 0), FRAMES)
+        part = simulate(scene, last, f"from {first}", first=first, state=state)
+        parts |= contents(part, "*.ply")
+        state, first = part / f"state_{last:05d}.npz", last + 1
+    assert parts == whole
