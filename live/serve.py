@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import threading
 from typing import Any
 
 from live.page import LOOPBACK, Page, new_token
 from live.session import Session
+from sim.signals import hand_over
 from workflow.scene import Scene
-
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def serve(scene: Scene, options: argparse.Namespace) -> int:
@@ -23,8 +21,7 @@ def serve(scene: Scene, options: argparse.Namespace) -> int:
     def ended(number: int, frame: Any) -> None:
         session.close()
 
-    for number in SIGNALS:
-        signal.signal(number, ended)
+    hand_over(ended)
     opener = threading.Thread(target=_open, args=(session, options, token), daemon=True)
     opener.start()
     if options.play:

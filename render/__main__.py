@@ -17,6 +17,9 @@ from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
 from render.progress import Progress
 from render.spec import RenderSpec
+from sim.command import end_with
+from sim.signals import at_once
+from workflow.manifest import spoiled
 
 EXAMPLE = """\
 example: the first two seconds of a film, after its simulation and reconstruction
@@ -57,6 +60,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         if not Path(folder).is_dir():
             raise Unusable(f"{folder} is not a folder")
     first, last = options.frames
+    _refuse_spoiled(options, range(first, last + 1))
     job = Job(
         settings=spec.model_dump(mode="json"),
         simulation=os.path.abspath(options.simulation),
@@ -81,12 +85,29 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
             from render.work import carry_out
 
             imported = time.perf_counter() - before
-            summary = carry_out(job, progress.report)
+            with at_once():
+                summary = carry_out(job, progress.report)
             summary["wall_s"] = {"import": imported, **summary["wall_s"]}
     summary["wall_s"]["total"] = time.perf_counter() - start
     for warning in summary["warnings"]:
         print(f"render: warning: {warning}", file=sys.stderr)
     _write_json(out / "summary.json", {"status": "done", **summary})
+
+
+def _refuse_spoiled(options: argparse.Namespace, frames: range) -> None:
+    """Refuse files of earlier stages that are no longer what they were made as."""
+    read = {
+        options.simulation: ("cloth_", "body_", "container_", "bodies.csv", "summary.json"),
+        options.surface: ("surface_",),
+        options.foam: ("foam_",),
+    }
+    for folder, kinds in read.items():
+        path = spoiled(Path(folder), kinds, frames) if folder else None
+        if path is not None:
+            raise Unusable(
+                f"{path} no longer holds what was written to it\n"
+                f"  fix: delete the folder {folder} and run the same command again: what is in it is made anew"
+            )
 
 
 def _export_path(name: str | None) -> str | None:
@@ -180,4 +201,4 @@ def _positive(kind: type) -> Any:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main, goes_on=True)

@@ -69,7 +69,8 @@ class Inputs:
         except FileNotFoundError as error:
             raise Unusable(f"{path} is missing: it says how far the action reaches (extent: min, max)") from error
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Unusable(f"{path} has no extent with min and max of three numbers each") from error
+            what = f"{path} has no extent with min and max of three numbers each"
+            raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
         box = Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
         if not 0 < box.diagonal < float("inf"):
             raise Unusable(f"{path}: the extent must have a size, found a diagonal of {box.diagonal} m")
@@ -109,12 +110,16 @@ class Inputs:
             return wanted
         try:
             with path.open(newline="") as rows:
-                for row in csv.DictReader(rows):
+                table = csv.DictReader(rows)
+                if "frame" not in (table.fieldnames or ()):
+                    raise ValueError("there is no column frame")
+                for row in table:
                     frame = int(row["frame"])
                     if frame in wanted:
                         wanted[frame][row["body"]] = _pose(row)
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Unusable(f"{path} is not a table of rigid bodies: {error!r}") from error
+        except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+            what = f"{path} is not a table of rigid bodies: {error!r}"
+            raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
         return wanted
 
     def _named(self, kind: str) -> dict[str, Path]:

@@ -61,6 +61,9 @@ def read_cloud(path: Path) -> TriangleMesh:
     return _read(path, ["vertex"])
 
 
+ANEW = "delete it, and make it anew by the stage before"
+
+
 def _read(path: Path, wanted: list[str]) -> TriangleMesh:
     try:
         data = path.read_bytes()
@@ -71,7 +74,7 @@ def _read(path: Path, wanted: list[str]) -> TriangleMesh:
         columns, triangles = _read_numpy(data, elements, start) if np else _read_struct(data, elements, start)
     except (ValueError, struct.error, KeyError, IndexError) as error:
         kind = "triangle mesh" if "face" in wanted else "point cloud"
-        raise Unusable(f"{path} is not a whole binary {kind}: {error}") from error
+        raise Unusable(f"{path} is not a whole binary {kind}: {error}\n  fix: {ANEW}") from error
     _check(path, columns, triangles)
     return TriangleMesh(columns, triangles)
 
@@ -140,9 +143,9 @@ def _check(path: Path, columns: dict[str, Any], triangles: Any) -> None:
     for name, column in columns.items():
         finite = np.isfinite(column).all() if np else all(map(math.isfinite, column))
         if not finite:
-            raise Unusable(f"{path}: {name} of a vertex is not finite")
+            raise Unusable(f"{path}: {name} of a vertex is not finite\n  fix: {ANEW}")
     if len(triangles) and not (min_of(triangles) >= 0 and max_of(triangles) < count):
-        raise Unusable(f"{path}: a triangle names a vertex beyond the {count} there are")
+        raise Unusable(f"{path}: a triangle names a vertex beyond the {count} there are\n  fix: {ANEW}")
 
 
 def min_of(column: Any) -> float:

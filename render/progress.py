@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-import time
 from types import TracebackType
 from typing import Any, Self
 
 from tqdm import tqdm
+
+from sim.time_left import BAR, TimeLeft
 
 
 class Progress:
@@ -16,8 +17,8 @@ class Progress:
     def __init__(self, total: int):
         self.total = total
         self.done = 0
-        self.start = time.perf_counter()
-        self.bar = tqdm(total=total, unit="frame", disable=not sys.stderr.isatty())
+        self.left = TimeLeft(total)
+        self.bar = tqdm(total=total, unit="frame", disable=not sys.stderr.isatty(), bar_format=BAR)
 
     def __enter__(self) -> Self:
         return self
@@ -28,8 +29,9 @@ class Progress:
     def report(self, event: dict[str, Any]) -> None:
         """Take what happened: `{"frame": 42, "wall_s": 3.1}` after each frame."""
         self.done += 1
+        self.left.took(event["wall_s"])
+        self.bar.set_postfix_str(f"{event['wall_s']:.1f} s a frame{self.left}", refresh=False)
         self.bar.update()
         if self.bar.disable:
-            left = (time.perf_counter() - self.start) / self.done * (self.total - self.done)
-            line = f"frame {event['frame']} ({self.done} of {self.total}): {event['wall_s']:.1f} s, {left:.0f} s left"
+            line = f"frame {event['frame']} ({self.done} of {self.total}): {event['wall_s']:.1f} s{self.left}"
             print(line, file=sys.stderr, flush=True)

@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from sim.command import end_with, go_on_unheard
 from sim.settings import Refused
 
 FAILED = 1
@@ -27,7 +28,7 @@ examples:
       play it in a browser, change it while it runs, and save what was done as a scene
 
 exit status: 0 done, 1 failed, 2 refused (the message names field, line and remedy), 3 stopped by the failure
-policy (see failure.json; the last good state is kept)
+policy (see failure.json; the last good state is kept), 130 interrupted, 141 nobody read all that was printed
 """
 
 
@@ -141,8 +142,15 @@ def _explain(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from sim.segment import guarded
+
+    go_on_unheard()
+    return guarded(lambda: _simulate(options))
+
+
+def _simulate(options: argparse.Namespace) -> int:
     from sim.checkpoint import frame_of
-    from sim.segment import guarded, simulate
+    from sim.segment import simulate
     from workflow.document import SceneError
     from workflow.scene import load
 
@@ -151,32 +159,34 @@ def _run(options: argparse.Namespace) -> int:
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
-
-    def action() -> int:
-        first = frame_of(options.resume) + 1 if options.resume else 0
-        first, last = options.frames or (first, scene.last_frame)
-        try:
-            return simulate(
-                scene.simulation,
-                scene.folder,
-                options.out,
-                first=first,
-                last=last,
-                state=options.resume,
-                threads=options.threads,
-                arch=options.arch,
-                quiet=options.quiet,
-            )
-        except Refused as refused:
-            print(scene.error(refused), file=sys.stderr)
-            return REFUSED
-
-    return guarded(action)
+    first = frame_of(options.resume) + 1 if options.resume else 0
+    first, last = options.frames or (first, scene.last_frame)
+    try:
+        return simulate(
+            scene.simulation,
+            scene.folder,
+            options.out,
+            first=first,
+            last=last,
+            state=options.resume,
+            threads=options.threads,
+            arch=options.arch,
+            quiet=options.quiet,
+        )
+    except Refused as refused:
+        print(scene.error(refused), file=sys.stderr)
+        return REFUSED
 
 
 def _live(options: argparse.Namespace) -> int:
-    from live.serve import serve
     from sim.segment import guarded
+
+    go_on_unheard()
+    return guarded(lambda: _play(options))
+
+
+def _play(options: argparse.Namespace) -> int:
+    from live.serve import serve
     from workflow.document import SceneError
     from workflow.scene import load
 
@@ -185,16 +195,12 @@ def _live(options: argparse.Namespace) -> int:
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
-
-    def action() -> int:
-        try:
-            return serve(scene, options)
-        except Refused as refused:
-            print(scene.error(refused), file=sys.stderr)
-            return REFUSED
-
-    return guarded(action)
+    try:
+        return serve(scene, options)
+    except Refused as refused:
+        print(scene.error(refused), file=sys.stderr)
+        return REFUSED
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main)

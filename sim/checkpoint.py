@@ -195,7 +195,8 @@ def _array(path: Path, arrays: dict[str, np.ndarray], name: str, like: np.ndarra
 
 
 def _damaged(path: Path, reason: str) -> Refused:
-    return Refused(f"{path} is not a state of a run ({reason})", remedy="give an undamaged state_*.npz")
+    remedy = "give an undamaged state_*.npz, or delete it and simulate the frames before it again"
+    return Refused(f"{path} is not a state of a run ({reason})", remedy=remedy)
 
 
 def _layout(spec: SimulationSpec) -> dict[str, Any]:

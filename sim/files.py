@@ -7,9 +7,10 @@ import csv
 import io
 import json
 import os
+import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 
@@ -129,24 +130,28 @@ class Table:
 
 
 class Reserve:
-    """Room on the disk for what has to be written even when the disk is full."""
+    """Room on the disk, by a file without a name, for what has to be written even when the disk is full."""
 
     def __init__(self, folder: Path):
-        self._path = folder / ".reserve"
+        self._folder = folder
+        self._file: IO[bytes] | None = None
         self._size = 0
 
     def hold(self, size: int) -> None:
         """Keep `size` bytes free; raises OSError where there are not so many."""
-        if size > self._size:
-            with open(self._path, "wb", buffering=0) as stream:
-                left = memoryview(bytes(size))
-                while left:
-                    left = left[stream.write(left) :]
-            self._size = size
+        if size <= self._size:
+            return
+        if self._file is None:
+            self._file = tempfile.TemporaryFile(dir=self._folder, buffering=0)  # noqa: SIM115
+        left = memoryview(bytes(size - self._size))
+        while left:
+            left = left[self._file.write(left) :]
+        self._size = size
 
     def release(self) -> None:
-        self._path.unlink(missing_ok=True)
-        self._size = 0
+        if self._file is not None:
+            self._file.close()
+        self._file, self._size = None, 0
 
 
 def _rows_until(path: Path, columns: list[str], until: float) -> list[list[str]]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import sys
 import time
 from typing import TYPE_CHECKING
+
+from sim import compilation
+from sim.time_left import BAR, TimeLeft
 
 if TYPE_CHECKING:
     from sim.stepping import Run
@@ -19,35 +21,40 @@ class Progress:
 
         self.quiet = quiet
         self.total = last - first + 1
-        self.began = time.perf_counter()
+        self.left = TimeLeft(self.total)
         self.done = 0
+        self._last = _worked()
         terminal = sys.stderr.isatty() and not quiet
-        self.bar = tqdm(total=self.total, unit="frame", desc="simulate", dynamic_ncols=True) if terminal else None
+        self.bar = (
+            tqdm(total=self.total, unit="frame", desc="simulate", dynamic_ncols=True, bar_format=BAR)
+            if terminal
+            else None
+        )
 
     def update(self, run: Run) -> None:
         self.done += 1
+        now = _worked()
+        self.left.took(now - self._last)
+        self._last = now
         particles = run.world.fluid.count if run.world.fluid else 0
         state = f"t {run.clock.time:.3f} s, {run.steps_taken} steps, {particles:,} particles"
         if self.bar is not None:
-            self.bar.set_postfix_str(state, refresh=False)
+            self.bar.set_postfix_str(f"{state}{self.left}", refresh=False)
             self.bar.update()
         elif not self.quiet:
-            elapsed = time.perf_counter() - self.began
-            left = elapsed / self.done * (self.total - self.done)
-            _print(f"frame {run.clock.frame}: {state}; {self.done}/{self.total}, {left:.0f} s left")
+            print(f"frame {run.clock.frame}: {state}; {self.done}/{self.total}{self.left}", file=sys.stderr, flush=True)
 
     def say(self, message: str) -> None:
         if self.bar is not None:
             self.bar.write(message, file=sys.stderr)
         else:
-            _print(message)
+            print(message, file=sys.stderr, flush=True)
 
     def close(self) -> None:
         if self.bar is not None:
             self.bar.close()
 
 
-def _print(message: str) -> None:
-    """A run goes on when nobody listens any more."""
-    with contextlib.suppress(BrokenPipeError):
-        print(message, file=sys.stderr, flush=True)
+def _worked() -> float:
+    """A clock [s] that stands still while kernels are compiled."""
+    return time.perf_counter() - compilation.seconds()

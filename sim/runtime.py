@@ -8,7 +8,7 @@ import io
 import os
 import sys
 
-from sim import compilation, launching, summation
+from sim import compilation, kernel_cache, launching, summation
 from sim.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -17,9 +17,9 @@ _running: tuple[str, int] | None = None
 def start(*, threads: int | None = None, arch: str = "auto") -> str:
     """Start Taichi; returns the name of the architecture.
 
-    `arch` is auto, cpu or cuda; raises Refused for cuda without a device. Asking Taichi for "any GPU" crashes on
-    machines with a display library and no GPU, so CUDA is asked for by name. Arrays are freed one by one, so what
-    runs already is kept: starting anew would compile all kernels again.
+    `arch` is auto, cpu or cuda; raises Refused for cuda without a device, and where no kernels can be kept. Asking
+    Taichi for "any GPU" crashes on machines with a display library and no GPU, so CUDA is asked for by name. Arrays are
+    freed one by one, so what runs already is kept: starting anew would compile all kernels again.
     """
     global _running
     with contextlib.redirect_stdout(io.StringIO()):
@@ -46,6 +46,7 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     default_ip=ti.i32,
                     fast_math=True,
                     offline_cache=True,
+                    offline_cache_file_path=kernel_cache.folder(),
                     offline_cache_cleaning_policy="lru",
                     log_level=ti.ERROR,
                 )

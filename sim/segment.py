@@ -9,31 +9,32 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
-import os
 import signal
 import sys
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from sim import precision, runtime
+from sim import precision, runtime, signals
 from sim.checkpoint import Checkpoint, state_name
+from sim.command import end_with
 from sim.failure import Fault, Interrupted, Stopped, report
 from sim.files import Reserve, write_json
 from sim.output import Output
 from sim.progress import Progress
 from sim.settings import Refused
+from sim.shortfalls import Work, shortfalls
+from sim.signals import INTERRUPTED
 from sim.spec import SimulationSpec
 from sim.stepping import Run
 
-DONE, REFUSED, STOPPED, INTERRUPTED = 0, 2, 3, 130
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+DONE, REFUSED, STOPPED = 0, 2, 3
 ROOM = 1 << 16
 """Bytes for failure.json, summary.json and the head of a state."""
 
@@ -81,7 +82,7 @@ def simulate(
 
 def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float) -> int:
     """Simulate up to frame `last`, and leave files that tell how it ended; returns the exit status."""
-    start_time, going_on = run.clock.time, run.good is not None
+    start_time, going_on, before = run.clock.time, run.good is not None, replace(run.counts)
     reserve = Reserve(out)
     try:
         reserve.hold(run.checkpoint().bytes + ROOM)
@@ -113,12 +114,15 @@ def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float)
         progress.close()
         output.close()
         reserve.release()
+    for text in shortfalls(run.world.spec, before, run.counts, _work(run)):
+        run.tell(text)
     try:
-        if failure:
-            write_json(out / "failure.json", failure)
-        if run.good:
-            run.good.save(out / state_name(run.good.clock.frame), run.spec)
-        write_json(out / "summary.json", _summary(run, status, start_time, time.perf_counter() - began))
+        with signals.handled(signal.SIG_IGN):
+            if failure:
+                write_json(out / "failure.json", failure)
+            if run.good:
+                run.good.save(out / state_name(run.good.clock.frame), run.spec)
+            write_json(out / "summary.json", _summary(run, status, start_time, time.perf_counter() - began))
     except OSError as error:
         print(f"stopped: {_not_writable(out, error)}", file=sys.stderr)
         status = STOPPED
@@ -128,6 +132,11 @@ def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float)
         kept = f"; state kept: {out / state_name(run.good.clock.frame)}" if run.good else ""
         print(f"interrupted at {run.clock.time:.6g} s{kept}", file=sys.stderr)
     return status
+
+
+def _work(run: Run) -> Work:
+    points = sum(len(item.fabric.points) for item in run.world.sheets)
+    return Work(run.steps_taken, run.particle_steps, points * run.steps_taken)
 
 
 def _prepare(out: Path) -> None:
@@ -151,29 +160,21 @@ def _not_writable(out: Path, error: OSError) -> Refused:
 
 @contextlib.contextmanager
 def _stopping(run: Run) -> Iterator[None]:
-    """At a signal the run ends after the step; at a second one, at once."""
+    """At a signal the run ends after the step; at a second one, or in the first step, which compiles, at once."""
 
     def ask(number: int, frame: object) -> None:
         if run.stop_requested:
             raise Interrupted
         run.stop_requested = True
 
-    with _handled(ask):
-        yield
+    def before_step() -> None:
+        if compiling and run.steps_taken < 2:
+            signals.hand_over(ask if run.steps_taken else signal.SIG_DFL)
 
-
-@contextlib.contextmanager
-def _handled(handler: Callable[[int, Any], None]) -> Iterator[None]:
-    """Signals that end a run go to `handler`; in a thread, to whom they went before."""
-    if threading.current_thread() is not threading.main_thread():
+    compiling = signals.are_at_once()
+    run.before_step = before_step
+    with signals.handled(ask):
         yield
-        return
-    before = {number: signal.signal(number, handler) for number in SIGNALS}
-    try:
-        yield
-    finally:
-        for number, previous in before.items():
-            signal.signal(number, previous)
 
 
 def _explain(failure: dict[str, Any], out: Path) -> str:
@@ -231,13 +232,9 @@ def _installed(name: str) -> bool:
 def guarded(action: Callable[[], int]) -> int:
     """Run `action`, turning what can go wrong outside the physics into a message and an exit status."""
 
-    def leave(number: int, frame: object) -> None:
-        # Before the first step there is nothing to save, and an exception may crash a library that is just loading.
-        os.write(sys.stderr.fileno(), b"interrupted before the first step\n")
-        os._exit(INTERRUPTED)
-
     try:
-        with _handled(leave):
+        # Before the first step there is nothing to save, and an exception may crash a library that is just loading.
+        with signals.at_once():
             return action()
     except Refused as refused:
         print(f"refused: {refused}", file=sys.stderr)
@@ -292,4 +289,4 @@ def _read_spec(given: str) -> SimulationSpec:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main, goes_on=True)

@@ -64,7 +64,7 @@ class Run:
         """The state after the last frame that was written."""
         self._mended: set[str] = set()
         self.warnings: list[str] = []
-        """What was said of fluid bodies of which there is less than was asked for."""
+        """What was said of what is, or was done, other than was asked for."""
         self.untangled: dict[str, str] = {}
         """What was said of sheets that do not begin where they are placed."""
         self.stop_requested = False
@@ -217,7 +217,7 @@ class Run:
     def _count_fallen(self, number: int) -> None:
         """Count particles that were taken out since they had fallen out of the scene, and tell of the first."""
         if number and not self.counts.particles_fallen:
-            self.warn(
+            self.tell(
                 f"fluid falls out of the scene: particles {self.world.depth:.3g} m below everything are taken out "
                 "(particles_fallen in summary.json tells how many); a floor would keep them"
             )
@@ -260,6 +260,8 @@ class Run:
 
     def _count(self, told: dict[str, float]) -> None:
         self.counts.steps_capped += int(told.get("capped", 0) > 0)
+        self.counts.pressure_capped += int(told.get("capped", 0) > told.get("viscosity_capped", 0))
+        self.counts.viscosity_capped += int(told.get("viscosity_capped", 0) > 0)
         self.counts.particles_held_off += int(told.get("held_off", 0))
         self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
         self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
@@ -317,10 +319,14 @@ class Run:
             return state
         state = self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time)
         for text in self.world.warnings():
-            if text not in self.warnings:
-                self.warnings.append(text)
-                self.warn(text)
+            self.tell(text)
         return state
+
+    def tell(self, text: str) -> None:
+        """Warn of something once, and keep it for the summary."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+            self.warn(text)
 
     def _tell_mended(self) -> None:
         """Warn once of every mesh that is not what its file holds."""
@@ -332,7 +338,7 @@ class Run:
     def _tell_overlaps(self) -> None:
         """Warn of bodies that begin inside each other: they are moved apart, which may look like a blow."""
         for one, other, depth in self.world.rigid.overlaps() if self.world.rigid else []:
-            self.warn(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
+            self.tell(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
 
     def _tell_untangled(self) -> None:
         """Warn of cloth that does not begin where it is placed."""
@@ -346,7 +352,7 @@ class Run:
             with self.stopwatch.phase(COMPILE):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
-            self.world.build(state, emission, self.counts, self.warn, self.clock.time, going_on=going_on)
+            self.world.build(state, emission, self.counts, self.tell, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()
         if not going_on:
             self._tell_overlaps()

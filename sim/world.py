@@ -61,7 +61,11 @@ class Counts:
     retries: int = 0
     steps_repeated: int = 0
     steps_capped: int = 0
+    """Steps in which one of the two below happened."""
+    pressure_capped: int = 0
     """Steps in which a pressure solver stopped at its cap of iterations, with a larger error than asked for."""
+    viscosity_capped: int = 0
+    """Steps in which the solver of implicit viscosity did."""
     contacts_capped: int = 0
     """Steps in which the sweeps over contacts of rigid bodies did."""
     cloth_capped: int = 0

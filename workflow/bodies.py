@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 from sim.settings import Refused
 
@@ -42,7 +42,7 @@ class Bodies:
             try:
                 mesh = trimesh.load_mesh(path, process=False)
             except (OSError, ValueError, KeyError, IndexError) as error:
-                raise Refused(f"{path} is not a mesh: {error!r}", remedy="simulate it again") from None
+                raise Refused(f"{path} is not a mesh: {error!r}", remedy="delete it, and simulate it again") from None
             self._solids[name] = Body(mesh)
         return self._solids[name]
 
@@ -51,10 +51,19 @@ class Bodies:
             return
         try:
             with path.open(newline="") as rows:
-                for row in csv.DictReader(rows):
+                for row in _rows(rows):
                     self._motions.setdefault(int(row["frame"]), {})[row["body"]] = _motion(row)
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Refused(f"{path} is not a table of rigid bodies: {error!r}", remedy="simulate it again") from None
+        except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
+            raise Refused(
+                f"{path} is not a table of rigid bodies: {error!r}", remedy="delete it, and simulate it again"
+            ) from None
+
+
+def _rows(file: TextIO) -> csv.DictReader:
+    table = csv.DictReader(file)
+    if "frame" not in (table.fieldnames or ()):
+        raise ValueError("there is no column frame")
+    return table
 
 
 def _motion(row: dict[str, str]) -> Motion:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from sim.command import end_with
 from sim.settings import Refused
 from workflow.aims import AIMS, Aim, aim_of
 from workflow.document import SceneError, read
@@ -140,4 +141,4 @@ def _seen(path: Path) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    end_with(main)

@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 
 from render.__main__ import main as render
+from sim.command import end_with
 from sim.settings import Refused
 from workflow import tables
 from workflow.document import SceneError
@@ -76,4 +77,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main, goes_on=True)

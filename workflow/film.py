@@ -14,13 +14,15 @@ from __future__ import annotations
 
 import argparse
 import shutil
+import struct
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from sim.command import end_with
 from sim.settings import Refused
 from workflow.film_spec import FilmJobSpec
-from workflow.stage import Stopwatch, exit_code, read_spec, write_json, write_whole
+from workflow.stage import Stopwatch, exit_code, read_spec, refuse_spoiled, write_json, write_whole
 
 
 def run(
@@ -40,9 +42,14 @@ def run(
         from workflow import plots, summaries, tables
         from workflow.contact_sheet import contact_sheet
         from workflow.encode import EncoderFailed, encode
+    with watch.phase("check"):
+        refuse_spoiled(blocks, "", frames=range(spec.last_frame + 1))
+        refuse_spoiled(simulation, *tables.TABLES, "summary.json")
+        refuse_spoiled([*surface, *foam], "summary.json")
+    rendered = _frames(blocks, spec.last_frame)
+    size = _common_size(rendered)
     with watch.phase("copy"):
-        pictures = _copy_frames(blocks, out / "frames", spec.last_frame)
-    size = _common_size(pictures)
+        pictures = _copies(rendered, out / "frames")
     playback = film.playback_fps or spec.fps
     video = out / f"{title}.mp4"
     with watch.phase("encode"):
@@ -85,8 +92,8 @@ def run(
     print(f"film of {len(pictures)} frames, {size[0]} x {size[1]}, {video.stat().st_size / 1e6:.2f} MB")
 
 
-def _copy_frames(blocks: Sequence[Path], target: Path, last_frame: int) -> list[Path]:
-    """Copies of the frames 0 to `last_frame`, in order, and of their passes beside them."""
+def _frames(blocks: Sequence[Path], last_frame: int) -> list[Path]:
+    """The pictures of the frames 0 to `last_frame`, in order."""
     found = {path.name: path for block in blocks for path in block.glob("*.png")}
     names = [f"{frame:05d}.png" for frame in range(last_frame + 1)]
     missing = [name for name in names if name not in found]
@@ -96,11 +103,16 @@ def _copy_frames(blocks: Sequence[Path], target: Path, last_frame: int) -> list[
             f"{len(missing)} of {len(names)} frames are missing, first {missing[0]}, in {where}",
             remedy="render them first",
         )
+    return [found[name] for name in names]
+
+
+def _copies(pictures: Sequence[Path], target: Path) -> list[Path]:
+    """Copies of pictures in one folder, and of their passes beside them."""
     target.mkdir(parents=True, exist_ok=True)
-    for passes in (found[name].with_suffix(".exr") for name in names):
+    for passes in (path.with_suffix(".exr") for path in pictures):
         if passes.exists():
             shutil.copyfile(passes, target / passes.name)
-    return [Path(shutil.copyfile(found[name], target / name)) for name in names]
+    return [Path(shutil.copyfile(path, target / path.name)) for path in pictures]
 
 
 def _common_size(pictures: Sequence[Path]) -> list[int]:
@@ -112,8 +124,11 @@ def _common_size(pictures: Sequence[Path]) -> list[int]:
         try:
             with Image.open(path) as picture:
                 sizes.setdefault(picture.size, path)
-        except (UnidentifiedImageError, OSError) as error:
-            raise Refused(f"{path} is not a picture: {error}", remedy="render it again") from None
+                picture.verify()
+        except (UnidentifiedImageError, OSError, SyntaxError, ValueError, struct.error) as error:
+            raise Refused(
+                f"{path} is not a picture, or a broken one: {error}", remedy="delete it, and render its frames again"
+            ) from None
     if len(sizes) > 1:
         listed = ", ".join(f"{path.name} has {width} x {height}" for (width, height), path in sizes.items())
         raise Refused(f"the frames differ in size: {listed}", remedy="render them all with the same resolution")
@@ -149,4 +164,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

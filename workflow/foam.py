@@ -21,8 +21,10 @@ from pathlib import Path
 from typing import Any
 
 from render.progress import Progress
+from sim.command import end_with
 from sim.foam.spec import FoamJobSpec
 from sim.settings import Refused
+from sim.signals import at_once
 from workflow import stage
 from workflow.bodies import Bodies
 from workflow.stage import Stopwatch, exit_code, read_spec, write_json
@@ -55,6 +57,10 @@ def run(
 
         from sim.files import write_points
         from sim.foam.particles import FOAM_POINT, next_frame
+    needed = range(frames.first - 1, frames.last + 1)
+    with watch.phase("load"):
+        stage.refuse_spoiled(simulation, "fluid_", "body", "bodies", frames=needed)
+        stage.refuse_spoiled([resume] if resume else [], "foam_", frames=needed)
     out.mkdir(parents=True, exist_ok=True)
     bodies = Bodies(simulation)
     points, before = np.empty(0, FOAM_POINT), None
@@ -68,7 +74,7 @@ def run(
             frame_watch = Stopwatch()
             with watch.phase("load"):
                 after = _points(simulation, f"fluid_{frame:05d}.ply", ("id",))
-            with watch.phase("foam"):
+            with watch.phase("foam"), at_once():
                 if before is not None:
                     points, full = next_frame(points, before, after, frame, spec, bodies.passing(frame))
                     if full and not warnings:
@@ -108,9 +114,9 @@ def _points(folders: Sequence[Path], name: str, wanted: Sequence[str]) -> Any:
         vectors = columns(points, ("x", "y", "z", "vx", "vy", "vz"))
         columns(points[:0], wanted)
     except BadPly as error:
-        raise Refused(str(error), remedy="make this frame again") from None
+        raise Refused(str(error), remedy="delete it, and make this frame again") from None
     if not np.isfinite(vectors).all():
-        raise Refused(f"{path} holds numbers that are not finite", remedy="make this frame again")
+        raise Refused(f"{path} holds numbers that are not finite", remedy="delete it, and make this frame again")
     return points
 
 
@@ -147,4 +153,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
+from sim.command import end_with
 from workflow.manifest import Manifest
 
 PLACEHOLDER = "@OUT"
@@ -306,4 +307,4 @@ def _scratch(text: str) -> Path | None:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

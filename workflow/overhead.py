@@ -10,6 +10,8 @@ import csv
 import json
 from pathlib import Path
 
+from sim.command import end_with
+
 STAGES = {"surface": "splashsurf", "frames": "render"}
 """Folder of a stage's results, and the phase of its summary that is the work itself."""
 
@@ -46,4 +48,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    end_with(main)

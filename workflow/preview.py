@@ -25,6 +25,7 @@ from render.errors import RenderError, Unusable
 from render.framing import View, view_of
 from render.inputs import Inputs
 from render.ply import read_mesh
+from sim.command import end_with
 from sim.settings import Refused
 from workflow.document import SceneError
 from workflow.plan import Plan
@@ -237,4 +238,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main, goes_on=True)

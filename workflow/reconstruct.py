@@ -20,7 +20,9 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from sim.command import end_with
 from sim.settings import Refused
+from sim.signals import at_once
 from workflow import stage
 from workflow.stage import Stopwatch, exit_code, read_spec, write_json, write_whole
 from workflow.surface_spec import ReconstructSpec
@@ -37,6 +39,8 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         from workflow.ply import BadPly, columns, read_points, write_surface
         from workflow.surface import reconstruct
     out.mkdir(parents=True, exist_ok=True)
+    with watch.phase("load"):
+        stage.refuse_spoiled([simulation], "fluid_", frames=frames)
     rows = []
     for frame in frames:
         with watch.phase("load"):
@@ -48,10 +52,13 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
                 remedy = f"simulate the frames {frames} first"
                 raise Refused(f"{path} is missing", remedy=remedy) from None
             except BadPly as error:
-                raise Refused(f"{path}: {error}", remedy="simulate this frame again") from None
+                raise Refused(str(error), remedy=f"delete it, and simulate the frames {frames} again") from None
             if not (np.isfinite(positions).all() and np.isfinite(velocities).all()):
-                raise Refused(f"{path} holds numbers that are not finite", remedy="simulate this frame again")
-        with watch.phase("splashsurf"):
+                raise Refused(
+                    f"{path} holds numbers that are not finite",
+                    remedy=f"delete it, and simulate the frames {frames} again",
+                )
+        with watch.phase("splashsurf"), at_once():
             surface = reconstruct(positions, velocities, spec, threads=threads)
         with watch.phase("write"):
             parts = (surface.vertices, surface.normals, surface.velocities, surface.triangles)
@@ -97,4 +104,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

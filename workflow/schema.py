@@ -12,6 +12,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from sim.command import end_with
 from workflow.meanings import WithMeanings
 from workflow.presets import QUALITIES
 from workflow.scene import SceneFile
@@ -206,4 +207,4 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    end_with(main, goes_on=True)

@@ -7,13 +7,14 @@ import contextlib
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from sim.settings import Refused, Settings
+from workflow.manifest import spoiled
 from workflow.timeline import Frames
 
 REFUSED = 2
@@ -33,6 +34,17 @@ def read_spec(model: type[Spec], text: str) -> Spec:
         details = error.errors(include_url=False)
         problems = "\n".join(f"  {'.'.join(map(str, part['loc'])) or '--spec'}: {part['msg']}" for part in details)
         raise Refused(f"--spec does not hold the settings of this stage\n{problems}") from None
+
+
+def refuse_spoiled(folders: Iterable[Path], *kinds: str, frames: Container[int] | None = None) -> None:
+    """Refuse files of earlier stages that are no longer what they were made as; see `workflow.manifest.spoiled`."""
+    for folder in folders:
+        path = spoiled(folder, kinds, frames)
+        if path is not None:
+            raise Refused(
+                f"{path} no longer holds what was written to it",
+                remedy=f"delete the folder {folder} and run the same command again: what is in it is made anew",
+            )
 
 
 def frames(text: str) -> Frames:

@@ -18,7 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.command import end_with
 from sim.settings import Refused
+from sim.time_left import duration
 from workflow.document import SceneError
 from workflow.manifest import Manifest
 from workflow.plan import Job, Plan
@@ -27,6 +29,7 @@ from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
 STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "render": "frames"}
@@ -124,6 +127,17 @@ def report(plan: Plan) -> tuple[Table, bool]:
     return table, finished
 
 
+def _console() -> Console:
+    """One that leaves it to the command what comes of a reader that has gone."""
+    from rich.console import Console
+
+    class Plain(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    return Plain()
+
+
 def _summary(stages: list[Progress], film: Job, finished: bool, picture: Path | None) -> str:
     if finished:
         return f"the film is in {film.folder}"
@@ -137,14 +151,6 @@ def _summary(stages: list[Progress], film: Job, finished: bool, picture: Path | 
     else:
         text = f"about {left} left"
     return text + (f"\nlast picture: {picture}" if picture else "")
-
-
-def duration(seconds: float) -> str:
-    """As `1 h 05 min`, `12 min`, `40 s`."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -161,15 +167,14 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"status: {error}", file=sys.stderr)
         return 2
     plan = Plan(scene, Path(__file__).parents[1])
-    from rich.console import Console
     from rich.live import Live
 
     table, finished = report(plan)
     if not options.watch:
-        Console().print(table)
+        _console().print(table)
         return 0
     try:
-        with Live(table) as live:
+        with Live(table, console=_console()) as live:
             while not finished:
                 time.sleep(REFRESH)
                 table, finished = report(plan)
@@ -180,4 +185,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main)

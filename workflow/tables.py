@@ -6,7 +6,9 @@ import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
+
+from sim.settings import Refused
 
 TABLES = ("steps.csv", "probes.csv", "bodies.csv")
 
@@ -14,13 +16,16 @@ TABLES = ("steps.csv", "probes.csv", "bodies.csv")
 def concatenate(parts: Sequence[Path], whole: Path) -> bool:
     """Write the rows of all `parts` that exist, in order, to `whole`; False where there is none.
 
-    A column that only some parts have is empty in the rows of the others.
+    A column that only some parts have is empty in the rows of the others. Raises Refused for what is no table of a run.
     """
     present = [part for part in parts if part.exists()]
     columns: dict[str, None] = {}
     for part in present:
         with part.open(newline="", encoding="utf-8") as file:
-            columns.update(dict.fromkeys(next(csv.reader(file), [])))
+            found = _first_row(file)
+        if "time" not in found:
+            raise Refused(f"{part} is not a table of a run", remedy="delete it, and simulate its frames again")
+        columns.update(dict.fromkeys(found))
     if not columns:
         return False
     with whole.open("w", newline="", encoding="utf-8") as target:
@@ -30,6 +35,13 @@ def concatenate(parts: Sequence[Path], whole: Path) -> bool:
             with part.open(newline="", encoding="utf-8") as file:
                 writer.writerows(csv.DictReader(file))
     return True
+
+
+def _first_row(file: TextIO) -> list[str]:
+    try:
+        return next(csv.reader(file), [])
+    except (ValueError, csv.Error):
+        return []
 
 
 def write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

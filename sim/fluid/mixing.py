@@ -61,4 +61,4 @@ class Mixing:
         told = self._viscosity.apply(dt) if self._viscosity else {"capped": False}
         if self._xsph:
             self._xsph.apply()
-        return told
+        return told | {"viscosity_capped": told["capped"]}

@@ -161,7 +161,11 @@ def truncate(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-1])
 
 
-@pytest.mark.parametrize("damage", [Path.unlink, truncate])
+def zero(path: Path) -> None:
+    path.write_bytes(bytes(path.stat().st_size))
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, truncate, zero])
 def test_a_damaged_frame(project, damage):
     damage(project.results / "frames" / "001" / "00006.png")
     ran = project.dry_run()

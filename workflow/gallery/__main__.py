@@ -12,6 +12,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from sim.command import end_with
 from workflow.document import SceneError
 from workflow.gallery.collect import NotMade, collect
 from workflow.gallery.page import page
@@ -42,4 +43,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    end_with(main, goes_on=True)

@@ -15,9 +15,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sim.command import end_with
 from sim.settings import Refused
 from workflow import tables
-from workflow.stage import exit_code, write_json
+from workflow.stage import exit_code, refuse_spoiled, write_json
 from workflow.study import measure
 from workflow.study.plot import draw
 from workflow.study.points import Outcome, Point, front
@@ -29,6 +30,8 @@ FIGURES = ("steps", "particles", "triangles", "stepping_s", "simulated_s")
 def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> list[Point]:
     """Write the folder of a study. `trials`: the folder of its trials; `folder`: that of its file. Raises Refused."""
     study = Study.model_validate(spec["study"])
+    names = [name for name, _ in spec["trials"]] + ([spec["truth"]] if spec["truth"] else [])
+    refuse_spoiled([part for name in names for part in (trials / name).glob("*")], "trial.json", *tables.TABLES)
     if spec["truth"]:
         found = trials / spec["truth"] / "0"
         if _trial(found)["status"] != "done":
@@ -134,4 +137,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

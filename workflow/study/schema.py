@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from sim.command import end_with
 from workflow.meanings import WithMeanings
 from workflow.study.spec import Study
 
@@ -24,4 +25,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    end_with(main, goes_on=True)

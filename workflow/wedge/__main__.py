@@ -15,9 +15,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sim.command import end_with
 from workflow import tables
 from workflow.contact_sheet import Cell, chosen, draw_sheet
-from workflow.stage import exit_code, write_whole
+from workflow.stage import exit_code, refuse_spoiled, write_whole
 from workflow.summaries import read
 
 STRIP = 4
@@ -29,8 +30,9 @@ STAGES = ("simulate", "reconstruct", "render")
 
 
 def report(spec: Mapping[str, Any], out: Path) -> None:
-    """Write the folder of a wedge."""
+    """Write the folder of a wedge; raises Refused for files of films that something has spoiled."""
     films = spec["films"]
+    refuse_spoiled([Path(film["folder"]) for film in films], "frames/", "summary.json")
     summaries = [read(Path(film["folder"])) for film in films]
     rows = [_row(film, summary) for film, summary in zip(films, summaries, strict=True)]
     tables.write(out / "table.csv", rows)
@@ -80,4 +82,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    end_with(main, goes_on=True)

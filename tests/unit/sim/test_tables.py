@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 from sim.files import Reserve, Table, write_json
@@ -71,13 +73,15 @@ def test_a_new_run_starts_new_tables(tmp_path):
 
 
 def test_the_reserve_takes_room_and_gives_it_back(tmp_path):
+    """Without a name, so that a process that is killed leaves nothing of it."""
     reserve = Reserve(tmp_path)
-    reserve.hold(10_000)
-    reserve.hold(5_000)
-    assert [path.stat().st_size for path in tmp_path.iterdir()] == [10_000]
-    reserve.release()
-    reserve.release()
+    for size, held in ((10_000, 10_000), (5_000, 10_000), (12_000, 12_000)):
+        reserve.hold(size)
+        assert os.fstat(reserve._file.fileno()).st_size == held
     assert not list(tmp_path.iterdir())
+    reserve.release()
+    reserve.release()
+    assert reserve._file is None
 
 
 def test_half_a_file_never_has_its_name(tmp_path):

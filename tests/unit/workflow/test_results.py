@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
 
 from workflow import record
-from workflow.manifest import Manifest, damage
+from workflow.manifest import Manifest, damage, spoiled
 from workflow.plan import Job
 from workflow.results import Unrecorded, refuse_unrecorded, repairs
 from workflow.timeline import Frames
@@ -47,6 +48,53 @@ def test_missing_and_truncated_files_are_damage(folder, name):
     assert f"{name} has 1 bytes" in damage(folder)
     (folder / name).unlink()
     assert damage(folder) == f"{name} is missing"
+
+
+def zero(path: Path, *, unnoticed: bool = False) -> None:
+    """Other bytes, as many; `unnoticed` keeps the time, as a disk does that fails."""
+    state = path.stat()
+    path.write_bytes(bytes(state.st_size))
+    if unnoticed:
+        os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns))
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "frames/0.png"])
+def test_another_content_of_the_same_size_is_damage(folder, name):
+    zero(folder / name)
+    assert damage(folder) == f"{name} has another content"
+
+
+def test_a_touched_file_is_no_damage(folder):
+    os.utime(folder / "a.mp4", ns=(1, 1))
+    assert damage(folder) == ""
+
+
+def test_what_was_not_written_to_is_not_read_anew(folder):
+    """Or to look for what is to be done would take as long as to read all results."""
+    zero(folder / "a.mp4", unnoticed=True)
+    assert damage(folder) == ""
+
+
+def test_a_manifest_of_before_there_were_sums(folder):
+    (folder / "manifest.json").write_text(json.dumps({"plan": JOB.plan, "files": {"a.mp4": 5}}))
+    zero(folder / "a.mp4")
+    assert damage(folder) == ""
+    assert spoiled(folder, ("",)) is None
+
+
+def test_who_reads_files_finds_what_was_spoiled(tmp_path):
+    for name in ("fluid_00001.ply", "fluid_00002.ply", "cloth_a_00001.ply", "bodies.csv"):
+        (tmp_path / name).write_bytes(b"123")
+    Manifest.of(tmp_path, "plan").write(tmp_path)
+    assert spoiled(tmp_path, ("fluid_", "bodies"), range(3)) is None
+    zero(tmp_path / "fluid_00002.ply", unnoticed=True)
+    assert spoiled(tmp_path, ("fluid_",), range(3)) == tmp_path / "fluid_00002.ply"
+    assert spoiled(tmp_path, ("fluid_",), [1]) is None
+    assert spoiled(tmp_path, ("cloth_",), range(3)) is None
+    zero(tmp_path / "bodies.csv", unnoticed=True)
+    assert spoiled(tmp_path, ("bodies",), [1]) == tmp_path / "bodies.csv"
+    (tmp_path / "bodies.csv").unlink()
+    assert spoiled(tmp_path, ("bodies",), [1]) is None
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"plan": "x"}', '{"plan": "x", "files": 3}'])

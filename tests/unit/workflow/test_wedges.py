@@ -12,6 +12,7 @@ from PIL import Image
 from sim.settings import Refused
 from tests import falling_ball
 from workflow.document import SceneError
+from workflow.manifest import Manifest
 from workflow.scene import combination_of, load
 from workflow.wedge.__main__ import main
 from workflow.wedge.combinations import combinations, split
@@ -123,3 +124,13 @@ def test_the_sheet_and_the_table(tmp_path, count, columns, rows):
         across, down = sheet.width / columns, sheet.height / rows
         red, green, _ = sheet.getpixel((int((columns - 0.5) * across), int((rows - 0.5) * down)))
     assert (red, green) == (200, 5 * (count - 1))
+
+
+def test_a_spoiled_picture_is_not_compared(tmp_path, capsys):
+    spec = {"name": "pond", "films": films(tmp_path, 2)}
+    folder = Path(spec["films"][1]["folder"])
+    Manifest.of(folder, "plan").write(folder)
+    picture = folder / "frames" / "00005.png"
+    picture.write_bytes(bytes(picture.stat().st_size))
+    assert main(["--spec", json.dumps(spec), "--out", str(tmp_path / "out")]) == 2
+    assert f"{picture} no longer holds" in capsys.readouterr().err
