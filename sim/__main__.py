@@ -88,6 +88,7 @@ def _add_device(command: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     from sim.preview import preview
     from workflow.document import SceneError
+    from workflow.foreseen import cautions
     from workflow.presets import QUALITIES
     from workflow.scene import combination_of, load
 
@@ -96,10 +97,12 @@ def _check(options: argparse.Namespace) -> int:
         for quality in qualities:
             scene = load(options.scene, quality=quality, overrides=options.set)
             try:
-                summary = preview(scene.simulation, scene.folder)
+                found = preview(scene.simulation, scene.folder)
             except Refused as refused:
                 raise scene.error(refused) from None
-            print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {summary}")
+            print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {found.contents}")
+            for caution in (*found.cautions, *cautions(scene, found)):
+                print(f"  {scene.warning(caution)}")
             for combination in scene.wedge:
                 combination_of(scene, combination.name, options.set)
             if scene.wedge:

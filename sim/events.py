@@ -85,7 +85,8 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
         return SimulationSpec.model_validate(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise _refusal(event, index, tuple(map(str, first["loc"])), first["msg"]) from None
+        remedy = first.get("ctx", {}).get("remedy", "")
+        raise _refusal(event, index, tuple(map(str, first["loc"])), first["msg"], remedy) from None
 
 
 FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", "events", "probes")
@@ -101,7 +102,7 @@ def _assign(data: dict[str, Any], path: str, value: Any, location: tuple[str | i
                 remedy="give it once at the start, or set single settings of the group that are free to change",
             )
     *groups, last = path.split(".")
-    target = data
+    target, before = data, _names(data)
     for depth, key in enumerate(groups):
         inner = target.get(key)
         if isinstance(inner, list | tuple):
@@ -110,10 +111,35 @@ def _assign(data: dict[str, Any], path: str, value: Any, location: tuple[str | i
         if not isinstance(inner, dict):
             raise _unknown(path, key, target, location)
         target = inner
+    new = ".".join(groups) in NAMED and last not in target
     target[last] = value
+    changed = before ^ _names(data)
+    if new and similar(last, target.keys() - {last}):
+        raise _unknown(path, last, target.keys() - {last}, location)
+    if changed:
+        raise Refused(
+            f"set can neither bring in nor take out '{min(changed)}'",
+            location=location,
+            remedy="use add and remove, or set single settings of what is there",
+        )
 
 
-def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str) -> Refused:
+NAMED = ("containers", "fluid.bodies", "fluid.emitters", "fluid.drains", "rigid.bodies", "cloth.sheets")
+"""Groups whose keys are names that the scene gives."""
+
+
+def _names(data: dict[str, Any]) -> set[str]:
+    """All names that the scene gives, as far as its groups are groups."""
+    found: set[str] = set()
+    for path in NAMED:
+        group: Any = data
+        for key in path.split("."):
+            group = group.get(key) if isinstance(group, dict) else None
+        found |= set(group) if isinstance(group, dict) else set()
+    return found
+
+
+def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str, remedy: str) -> Refused:
     """Blame the `set` whose path the invalid field lies at, or the event where there is none."""
     for path in event.set:
         keys = tuple(path.split("."))
@@ -122,9 +148,8 @@ def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str) -> R
             location = ("events", index, "set", path)
             if reason == "Extra inputs are not permitted":
                 return _unknown(path, keys[-1], _known(keys[:-1]), location)
-            return Refused(
-                f"{path}: {reason}", location=location, remedy="give a value of the kind it has in the scene"
-            )
+            remedy = remedy or "give a value of the kind it has in the scene"
+            return Refused(f"{path}: {reason}", location=location, remedy=remedy)
     return Refused(
         f"the event can not be applied: {'.'.join(field)}: {reason}",
         location=("events", index),

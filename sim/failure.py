@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sim.checkpoint import state_name
+from sim.settings import Refused
 
 if TYPE_CHECKING:
     from sim.checkpoint import Clock
@@ -124,6 +125,15 @@ def _fixed_step_fault(world: World, measure: Measure, dt: float) -> Fault | None
 
 FIXED_MARGIN = 2.5
 """A fixed step may pass the limit of an instant's peak force, but not the true limit of the integrator."""
+
+
+def beyond_limit(fixed: float, limit: float) -> Refused:
+    """The refusal of a fixed step [s] that is longer than one may be [s]."""
+    return Refused(
+        f"a fixed step of {fixed:.3g} s is beyond the stability limit of {limit:.3g} s",
+        location=("step", "fixed"),
+        remedy="use a shorter step, or leave it out for an adaptive one",
+    )
 
 
 def short_step(world: World, measure: Measure | None, limit: float, fps: float) -> Fault | None:

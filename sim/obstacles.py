@@ -55,6 +55,14 @@ class Obstacle:
         return float(np.linalg.norm(self.solid.mesh.vertices - self.motion.pivot, axis=1).max())
 
     @functools.cached_property
+    def size(self) -> float:
+        """The least edge of the box around it in its own axes, or the greatest where it is flat [m]."""
+        from sim.geometry.primitives import primitive
+
+        extents = 2 * primitive(self.solid).half
+        return float(extents.min() if extents.min() > 0 else extents.max())
+
+    @functools.cached_property
     def bounds(self) -> np.ndarray:
         """Box around all places where it comes [m], shape [2, 3]; a motion without end counts where it starts."""
         return self.motion.sweep(self.solid.mesh.vertices) if self.motion else np.asarray(self.solid.bounds)

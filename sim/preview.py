@@ -2,30 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from sim.events import spec_at
-from sim.settings import Refused
+from sim.first_step import refuse_jumps, refuse_steps
+from sim.overlaps import overlaps
+from sim.settings import Caution, Refused
 from sim.spec import Event, SimulationSpec
+from sim.whereabouts import idle_probes
 from sim.world import Counts, World
 
 
-def preview(spec: SimulationSpec, folder: Path) -> str:
-    """One line about what the scene holds at the start, and one for each warning; raises Refused for what can not be
-    simulated."""
+@dataclass(frozen=True)
+class Preview:
+    """What a scene holds at the start."""
+
+    world: World
+    contents: str
+    """In one line."""
+    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """Places of the particles [m], shape [n, 3]."""
+    cautions: tuple[Caution, ...] = ()
+
+
+def preview(spec: SimulationSpec, folder: Path) -> Preview:
+    """What the scene holds at the start, and what a run would warn of; raises Refused for what can not be simulated."""
+    worlds, coming = [], []
     for index, event in enumerate(spec.events):
+        then = spec_at(spec, event.at)
         try:
-            world = World(spec_at(spec, event.at), folder)
-            if event.add.fluid:
-                _pour(world, list(event.add.fluid), event.at)
+            worlds.append(_world_after(then, folder, event))
+            coming += _of_coming_sheets(then, folder, event, index)
         except Refused as refused:
             raise _in_event(refused, event, index) from None
     world = World(spec_at(spec, 0.0), folder)
+    world.untangle(0.0)
     solids = len(world.obstacles.names)
     parts = [f"{solids} solid{'' if solids == 1 else 's'}"]
+    points, velocity = np.zeros((2, 0, 3))
     if spec.fluid is not None:
-        particles, counts = _pour(world, list(spec.fluid.bodies), 0.0)
-        parts.insert(0, f"{particles:,} fluid particles")
+        points, velocity, counts = _pour(world, list(spec.fluid.bodies), 0.0)
+        parts.insert(0, f"{len(points):,} fluid particles")
         parts += [volume.line() for volume in world.volumes.values()]
         if counts.particles_without_room:
             parts.append(f"{counts.particles_without_room:,} particles have no room")
@@ -37,16 +58,71 @@ def preview(spec: SimulationSpec, folder: Path) -> str:
     for item in world.obstacles.placed:
         if item.solid.report is not None:
             parts += [f"{item.name}: {line}" for line in item.solid.report.lines()]
-    warnings = [f"\n  warning: {text}" for text in world.warnings()]
-    return "; ".join(parts) + "".join(warnings)
+    refuse_steps(world, velocity)
+    start = list(_of_the_start(world))
+    known = {caution.text for caution in start}
+    for index, (event, later) in enumerate(zip(spec.events, worlds, strict=True)):
+        coming += [caution for caution in _of_a_change(event, later, index) if caution.text not in known]
+    cautions = (*start, *coming, *idle_probes([world, *worlds]))
+    return Preview(world, "; ".join(parts), points, cautions)
 
 
-def _pour(world: World, bodies: list[str], time: float) -> tuple[int, Counts]:
-    """How many particles the fluid bodies have at `time` [s], as if no other fluid were there; raises Refused."""
+def _of_the_start(world: World) -> Iterator[Caution]:
+    """What a run says as it begins."""
+    yield from (Caution(text) for text in world.warnings())
+    for one, other, depth in overlaps(world.obstacles):
+        yield Caution(_overlap(one, other, depth), ("rigid", "bodies", one))
+    for item in world.untangled or []:
+        yield Caution(item.line(), ("cloth", "sheets", item.sheet))
+
+
+def _of_a_change(event: Event, world: World, index: int) -> Iterator[Caution]:
+    """What a run says as an event brings something in, as far as it does not depend on what moved until then."""
+    location = ("events", index, "add")
+    yield from (Caution(text, location) for text in world.warnings())
+    standing = {item.name for item in world.obstacles.placed if item.motion is None}
+    known = standing | {wall.body for wall in world.obstacles.walls} | event.add.rigid.keys()
+    for one, other, depth in overlaps(world.obstacles):
+        if {one, other} <= known and {one, other} & event.add.rigid.keys():
+            yield Caution(_overlap(one, other, depth), location)
+
+
+def _overlap(one: str, other: str, depth: float) -> str:
+    return f"'{one}' and '{other}' begin {depth * 1000:.3g} mm or more inside each other: move one of them away"
+
+
+def _of_coming_sheets(spec: SimulationSpec, folder: Path, event: Event, index: int) -> Iterator[Caution]:
+    """What a run says of cloth that an event brings in, among what stands; raises Refused as a run does."""
+    if not event.add.cloth:
+        return
+    standing = {
+        name: body for name, body in (spec.rigid.bodies if spec.rigid else {}).items() if body.motion == "static"
+    }
+    rigid = spec.rigid.model_copy(update={"bodies": standing}) if standing else None
+    cloth = spec.cloth.model_copy(update={"sheets": event.add.cloth})
+    world = World(spec.model_copy(update={"fluid": None, "rigid": rigid, "cloth": cloth, "probes": {}}), folder)
+    world.untangle(event.at)
+    for item in world.sheets:
+        refuse_jumps(item, event.at)
+    for item in world.untangled:
+        yield Caution(item.line(), ("events", index, "add", "cloth", item.sheet))
+
+
+def _world_after(spec: SimulationSpec, folder: Path, event: Event) -> World:
+    world = World(spec, folder)
+    if event.add.fluid:
+        _pour(world, list(event.add.fluid), event.at)
+    return world
+
+
+def _pour(world: World, bodies: list[str], time: float) -> tuple[np.ndarray, np.ndarray, Counts]:
+    """Places [m] and velocities [m/s] of the particles of fluid bodies at `time` [s], shape [n, 3], as if no other
+    fluid were there; raises Refused."""
     from sim.fluid.part import FluidState
 
     counts = Counts()
-    return world.pour(FluidState(), bodies, bodies, counts, time).count, counts
+    state = world.pour(FluidState(), bodies, bodies, counts, time)
+    return state.position[:, :3].astype(np.float64) + world.origin, state.velocity[:, :3], counts
 
 
 def _in_event(refused: Refused, event: Event, index: int) -> Refused:

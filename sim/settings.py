@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, StringConstraints
@@ -47,3 +48,11 @@ class Refused(Exception):
         field = ".".join(str(part) for part in self.location)
         text = f"{field}: {self.message}" if field else self.message
         return f"{text}. {self.remedy}" if self.remedy else text
+
+
+@dataclass(frozen=True)
+class Caution:
+    """What is simulated as given, and may not be what was meant; `location` as of a refusal."""
+
+    text: str
+    location: tuple[str | int, ...] = ()

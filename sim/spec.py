@@ -16,7 +16,7 @@ from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import MeshFile, Placement
 from sim.rigid.spec import Contact, Rigid, RigidBody
 from sim.settings import Name, Settings
-from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
+from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Length, Position, PositiveDuration
 
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
@@ -76,8 +76,10 @@ class WaterHeight(Settings):
     """Height of the fluid's surface above a point of the ground plane [m]."""
 
     type: Literal["water_height"]
-    x: Annotated[float, Field(description="Position of the vertical line [m].")]
-    z: Annotated[float, Field(description="Position of the vertical line [m].")] = 0.0
+    x: Length
+    """Position of the vertical line [m]."""
+    z: Length = 0.0
+    """Position of the vertical line [m]."""
     rate: Frequency | None = None
 
 

@@ -12,7 +12,18 @@ from typing import TYPE_CHECKING, Any
 from sim import runtime
 from sim.checkpoint import Checkpoint, Clock
 from sim.events import TIME_TOLERANCE, apply, events_between, spec_before
-from sim.failure import FIXED_MARGIN, MAX_RETRIES, Fault, Interrupted, Stopped, find_fault, report, short_step
+from sim.failure import (
+    FIXED_MARGIN,
+    MAX_RETRIES,
+    Fault,
+    Interrupted,
+    Stopped,
+    beyond_limit,
+    find_fault,
+    report,
+    short_step,
+)
+from sim.first_step import refuse_cloth_steps
 from sim.output import Output
 from sim.probes import Probes
 from sim.settings import Refused
@@ -363,41 +374,15 @@ class Run:
         fault = find_fault(self.world, self.measure, 0.0)
         if fault is not None:
             raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
-        self._refuse_cloth_steps()
+        if self.world.cloth:
+            refuse_cloth_steps(self.world.spec, getattr(self.world.cloth.integrator, "stable", math.inf))
         short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
         if short is not None:
             raise Refused(short.what, remedy=short.remedy)
         fixed = self.world.spec.step.fixed
         limit = self.world.step_limit(self.measure) * FIXED_MARGIN
         if fixed is not None and fixed > limit:
-            raise Refused(
-                f"a fixed step of {fixed:.3g} s is beyond the stability limit of {limit:.3g} s",
-                location=("step", "fixed"),
-                remedy="use a shorter step, or leave it out for an adaptive one",
-            )
-
-    def _refuse_cloth_steps(self) -> None:
-        """Refuse steps longer than cloth may take, and cloth that would need too many explicit ones in each."""
-        if not self.world.cloth:
-            return
-        limits, step = self.world.cloth.step_limits(), self.world.spec.step
-        most, stiff = limits["cloth step"], limits.get("cloth stiffness", math.inf)
-        if step.fixed is not None and step.fixed > most:
-            raise Refused(
-                f"a fixed step of {step.fixed:.3g} s is longer than those of cloth may be ({most:.3g} s)",
-                location=("step", "fixed"),
-                remedy="use a shorter one, or raise cloth.max_step",
-            )
-        longest = min(step.fixed or most, step.maximum or most, 1.0 / self.spec.fps)
-        if longest > stiff:
-            explicit = self.world.cloth.integrator.stable
-            raise Refused(
-                f"the stiffness of the cloth allows explicit steps of {explicit:.2g} s only, so that a step of "
-                f"{longest:.3g} s would need {longest / explicit:,.0f} of them (at most {stiff / explicit:,.0f})",
-                location=("cloth", "integrator"),
-                remedy="use implicit_euler, a lower stretch_stiffness or bend_stiffness, a larger spacing, "
-                "or a shorter cloth.max_step",
-            )
+            raise beyond_limit(fixed, limit)
 
     def _sample(self, output: Output) -> None:
         if output.probes is not None:

@@ -7,7 +7,7 @@ from typing import Any
 from sim.events import apply
 from sim.rigid.spec import RigidBody
 from sim.settings import Refused
-from sim.spec import BoxContainer, SimulationSpec
+from sim.spec import BoxContainer, Event, SimulationSpec
 
 
 def refuse_unsupported(spec: SimulationSpec) -> None:
@@ -44,17 +44,10 @@ def _refuse_settings(spec: SimulationSpec) -> None:
         _refuse_meetings(spec)
     for name, probe in spec.probes.items():
         if probe.type in ("vertex", "pin_force"):
-            _refuse_sheetless(spec, name, probe.sheet)
             continue
         if spec.fluid is None:
             message = "this probe measures fluid, and the scene has none"
             raise Refused(message, location=("probes", name), remedy="remove it")
-        if probe.type == "force" and not _has_surface(spec, probe.body):
-            raise Refused(
-                f"the force on '{probe.body}' can not be measured: it is no rigid body with a surface",
-                location=("probes", name, "body"),
-                remedy="name a rigid body that is no plane",
-            )
         if probe.type == "force" and probe.region and _is_dynamic(spec, probe.body):
             raise Refused(
                 f"the force on a part of '{probe.body}' can not be measured, which obeys forces",
@@ -78,6 +71,7 @@ def _refuse_what_events_make(spec: SimulationSpec) -> None:
     for index, event in enumerate(spec.events):
         before, current = current, apply(current, event, index)
         _refuse_jumps(before, current, index)
+        _refuse_beginnings(before, current, event, index)
         try:
             refuse_unsupported(current)
         except Refused as refused:
@@ -99,6 +93,34 @@ def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> 
             )
 
 
+BEGINNING = ("position", "rotation", "velocity", "angular_velocity")
+"""How what moves by itself begins."""
+
+
+def _refuse_beginnings(before: SimulationSpec, after: SimulationSpec, event: Event, index: int) -> None:
+    """Raise Refused where an event changes how something that is there already began, which nothing looks at again."""
+    for group, field in (("fluid", "bodies"), ("rigid", "bodies"), ("cloth", "sheets")):
+        earlier = getattr(getattr(before, group), field, {})
+        for name, body in getattr(getattr(after, group), field, {}).items():
+            if name in earlier and _begins_otherwise(group, earlier[name], body):
+                path = f"{group}.{field}.{name}"
+                given = [key for key in event.set if f"{key}.".startswith(f"{path}.")]
+                raise Refused(
+                    f"'{name}' is there already: how it begins can not be changed by an event",
+                    location=("events", index, "set", given[0]) if given else ("events", index),
+                    remedy="remove it and add another, or let forces, pins or gravity move it",
+                )
+
+
+def _begins_otherwise(group: str, earlier: Any, body: Any) -> bool:
+    """Whether the settings differ that only the beginning looks at: all of a body of fluid."""
+    if group == "fluid":
+        return earlier != body
+    if group == "rigid" and not earlier.motion == body.motion == "dynamic":
+        return False
+    return any(getattr(earlier, name, None) != getattr(body, name, None) for name in BEGINNING)
+
+
 def _path(body: RigidBody) -> tuple[Any, ...]:
     shape = (body.shape, body.position, body.rotation, body.scale)
     return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
@@ -117,24 +139,7 @@ def _refuse_meetings(spec: SimulationSpec) -> None:
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 
-def _refuse_sheetless(spec: SimulationSpec, name: str, sheet: str) -> None:
-    groups = [spec.cloth.sheets if spec.cloth else {}, *(event.add.cloth for event in spec.events)]
-    if not any(sheet in group for group in groups):
-        raise Refused(
-            f"'{sheet}' is no sheet of cloth",
-            location=("probes", name, "sheet"),
-            remedy="name one of cloth.sheets, or remove the probe",
-        )
-
-
 def _is_dynamic(spec: SimulationSpec, name: str) -> bool:
     return any(
         location[-1] == name and getattr(body, "motion", None) == "dynamic" for location, body in spec.placements()
-    )
-
-
-def _has_surface(spec: SimulationSpec, name: str) -> bool:
-    return any(
-        location[-1] == name and "rigid" in (location[0], location[-2]) and body.shape.type != "plane"
-        for location, body in spec.placements()
     )

@@ -6,14 +6,20 @@ setting; `particle_radius: 10 s` is refused.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import re
 import sys
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from annotated_types import Ge, Gt, Le
 from pydantic_core import PydanticCustomError, core_schema
+
+from sim.typed import meant, plain
+
+if TYPE_CHECKING:
+    import pint
 
 
 @functools.cache
@@ -23,11 +29,25 @@ def _registry():
     return pint.UnitRegistry(cache_folder=None)
 
 
-_FACTOR = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)-?\d|[²³])?"
+_FACTOR = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)?-?\d)?"
 # Only a number and a product of units: pint itself would also compute `9**9**9**9`.
 _QUANTITY = re.compile(
-    rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*)?\s*", re.ASCII
+    rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
+    rf"((?:1?\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*)?\s*",
+    re.ASCII,
 )
+_BARE_POWER = re.compile(r"(?<=[A-Za-zµμ°])-?\d")
+"""Of units as they are often typed: `kg/m3`, `m s-2`."""
+
+
+def _units(text: str) -> str:
+    return "1" + text if text.startswith("/") else _BARE_POWER.sub(r"^\g<0>", text)
+
+
+def _quantity(text: str) -> pint.Quantity:
+    """The number and unit of a text; fails where it holds anything else."""
+    number, unit = _QUANTITY.fullmatch(plain(text)).groups()
+    return _registry().Quantity(float(number), _units(unit or ""))
 
 
 def _same_kind(given: str, wanted: str) -> bool:
@@ -36,6 +56,29 @@ def _same_kind(given: str, wanted: str) -> bool:
     if wanted == "1":
         return not angular
     return given != "dimensionless" and angular == (wanted in {"deg", "rad/s"})
+
+
+def _of_another_kind(number: float, unit: str, wanted: str) -> str:
+    """What to write for a number with a unit that is often taken for the one that is wanted."""
+    match wanted, unit:
+        case "m/s^2", "g" | "G":
+            return f"g is the gram: write {9.81 * number:g}"
+        case "kg", "N":
+            return f"a mass is meant, not a weight: write {number / 9.81:.4g} kg"
+        case "rad/s", _:
+            return "write it in rad/s, deg/s or rpm"
+        case "Hz", "fps":
+            return f"write {number:g}"
+        case "m^2/s", _:
+            with contextlib.suppress(Exception):
+                kinematic = _registry().Quantity(number, _units(unit)).to("Pa*s").magnitude / 1000
+                return (
+                    "the kinematic viscosity is meant, which is this one over the density: "
+                    f"write {kinematic:.4g} for a liquid of 1000 kg/m^3"
+                )
+        case "1", _:
+            return "give a plain number, without a unit"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -62,8 +105,7 @@ class Unit:
 
     def _parse(self, text: str) -> float:
         try:
-            number, unit = _QUANTITY.fullmatch(text).groups()
-            quantity = _registry().Quantity(float(number), unit or "")
+            quantity = _quantity(text)
             if not _same_kind(str(quantity.units), self.symbol):
                 raise ValueError(text)
             # 35 times 0.001 is not 0.035: the digits that were typed decide.
@@ -73,8 +115,28 @@ class Unit:
             raise PydanticCustomError(
                 "quantity",
                 "expected {number}{example}, got '{text}'",
-                {"number": self._number(), "example": example, "text": text[:80]},
+                {"number": self._number(), "example": example, "text": text[:80], "remedy": self._meant(text)},
             ) from error
+
+    def _meant(self, text: str) -> str:
+        """What to write instead; empty where that is not known."""
+        if self.symbol == "1" and (percent := re.fullmatch(r"\s*([\d.]+)\s*%\s*", text)):
+            return f"write {float(percent[1]) / 100:g}"
+        match = _QUANTITY.fullmatch(plain(text))
+        if match is None or not match[2]:
+            return meant(text)
+        number, unit = match.groups()
+        for spelling in (unit.lower(), unit[:1].lower() + unit[1:]):
+            if spelling != unit and self._reads(f"1 {spelling}"):
+                return f"write {number} {spelling}"
+        return _of_another_kind(float(number), unit, self.symbol)
+
+    def _reads(self, text: str) -> bool:
+        try:
+            quantity = _quantity(text)
+            return _same_kind(str(quantity.units), self.symbol) and quantity.check(_quantity(f"1 {self.symbol}").units)
+        except Exception:  # pint lets errors of every kind through
+            return False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         return core_schema.no_info_before_validator_function(self.convert, handler(source))

@@ -179,7 +179,7 @@ class World:
             state,
             Surroundings(boundary_solids(self.obstacles, fluid.spacing, fluid.support_radius), self._sheet_samples()),
             drop=self.drop,
-            fastest=self._fastest,
+            fastest=self.fastest,
             floor=self.floor,
             depth=self.depth,
             probed=any(isinstance(probe, Pressure) for probe in self.spec.probes.values()),
@@ -482,7 +482,7 @@ class World:
         return max((self._extent_up(box)[1] for box in boxes), default=0.0)
 
     @property
-    def _fastest(self) -> float:
+    def fastest(self) -> float:
         """The greatest speed [m/s] of fluid that comes in, or of a body at any time."""
         speeds = [inflow.speed for inflow in self._inflows]
         return max(speeds + [item.fastest for item in self.obstacles.placed], default=0.0)

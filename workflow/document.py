@@ -2,7 +2,8 @@
 
 YAML is read by the rules of version 1.2 where 1.1 surprises: `1e-4` is a number, `on` and `no`
 are text, a key given twice is an error, `<<` merges nothing, and no Python object is ever
-constructed.
+constructed. Signs that only look like those of YAML are read as these: a minus sign before a number,
+no-break blanks before keys and values, and characters that can not be seen.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from typing import Any
 import yaml
 
 from sim.similar import suggestion
+from sim.typed import BLANKS, INVISIBLE, MINUS, plain
+from workflow.slips import of_comment
 
 Location = tuple[str | int, ...]
 
@@ -56,6 +59,13 @@ class Document:
             if location[:end] in self.marks:
                 return self.marks[location[:end]]
         return Mark(self.source)
+
+    def value(self, location: Location) -> Any:
+        """What stands there."""
+        value: Any = self.data
+        for part in location:
+            value = value[part]
+        return value
 
     def problem(self, location: Location, message: str, remedy: str = "") -> str:
         """The text of an error: source, line, field, message, the line itself and the remedy."""
@@ -142,6 +152,7 @@ def read(path: Path) -> Document:
 
 def parse(text: str, *, source: str) -> Document:
     """Parse YAML text; raises SceneError with the line of what is wrong."""
+    text = _visible(text)
     reader = _Reader(source, text)
     try:
         root = yaml.compose(text, Loader=_Loader)
@@ -156,6 +167,16 @@ def parse(text: str, *, source: str) -> Document:
         raise SceneError([f"{source}:1: a scene is a mapping of settings\n  fix: start with `duration: 2`"])
     reader.document.data = reader.construct(root, ())
     return reader.document
+
+
+_BEFORE_KEY = re.compile(rf"^[ {BLANKS}]+", re.MULTILINE)
+_AFTER_KEY = re.compile(rf"^( *(?:- +)*[\"']?[\w-]+[\"']?:)[{BLANKS}]+", re.MULTILINE)
+
+
+def _visible(text: str) -> str:
+    """The text without what can not be seen, and with blanks of YAML where others would hide its structure."""
+    text = text.translate(dict.fromkeys(map(ord, INVISIBLE)))
+    return _AFTER_KEY.sub(r"\1 ", _BEFORE_KEY.sub(lambda blanks: " " * len(blanks[0]), text))
 
 
 class _Loader(yaml.SafeLoader):
@@ -188,21 +209,26 @@ _Loader.yaml_implicit_resolvers = {
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
 _Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|false|False)$"), list("tTfF"))
-_Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
+_Loader.add_implicit_resolver(
+    "tag:yaml.org,2002:int", re.compile(rf"^[-+{MINUS}]?[0-9]+$"), list(f"-+{MINUS}0123456789")
+)
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
-    re.compile(r"^(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf)|\.(?:nan|NaN))$"),
-    list("-+.0123456789"),
+    re.compile(
+        rf"^(?:[-+{MINUS}]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+{MINUS}]?[0-9]+)?"
+        r"|[-+]?\.(?:inf|Inf)|\.(?:nan|NaN))$"
+    ),
+    list(f"-+{MINUS}.0123456789"),
 )
 
 
 def _number(text: str) -> float:
-    return float(text.lower().replace(".inf", "inf").replace(".nan", "nan"))
+    return float(plain(text).lower().replace(".inf", "inf").replace(".nan", "nan"))
 
 
 def _integer(text: str) -> int | float:
     # Python refuses to read thousands of digits; no setting needs more than a float holds.
-    return int(text) if len(text) < 19 else float(text)
+    return int(plain(text)) if len(text) < 19 else float(plain(text))
 
 
 _TAG = "tag:yaml.org,2002:"
@@ -231,11 +257,30 @@ class _Reader:
     def syntax_problem(self, error: yaml.MarkedYAMLError) -> str:
         mark, problem = error.problem_mark, error.problem or error.context or "not YAML"
         at_end = mark is None or not "".join(self._lines[mark.line :]).strip()
+        begin = 0 if at_end else (error.context_mark or mark).line
+        cause = self._cause(begin, mark.line if mark else 0)
+        if cause is not None:
+            line, problem, remedy = cause
+            self.document.marks[("",)] = self._mark(line + 1)
+            return self.document.problem(("",), problem, remedy)
         if at_end and error.context_mark is not None:
             mark = error.context_mark
         line = mark.line + 1 if mark else 0
         self.document.marks[("",)] = self._mark(line)
         return self.document.problem(("",), problem, _syntax_remedy(problem))
+
+    def _cause(self, first: int, last: int) -> tuple[int, str, str] | None:
+        """The line, from 0, of what often makes the lines `first` to `last` no YAML, what is wrong and what would be
+        right."""
+        for line in range(first, min(last + 1, len(self._lines))):
+            remedy = of_comment(self._lines[line])
+            if remedy:
+                return line, "a colour is taken for a comment", remedy
+        for line in range(max(last - 1, 0), last):
+            key = _NO_COLON.match(self._lines[line])
+            if key:
+                return line, f"no ': ' between '{key[1]}' and its value", f"write `{key[1]}: {key[2]}`"
+        return None
 
     def construct(self, node: yaml.Node, location: Location) -> Any:
         """Plain data of a node; every value's line is noted on the way."""
@@ -286,10 +331,14 @@ class _Reader:
         return Mark(self.document.source, line, text)
 
 
+_NO_COLON = re.compile(r"^\s*(?:- +)*([A-Za-z_]\w*)(?:\s*[=\uff1a]\s*|:|\s+)([^\s:#=\[{\uff1a].*?|[\[{].*[\]}])\s*$")
+"""A key that is not parted from its value as YAML wants it."""
+
+
 def _syntax_remedy(problem: str) -> str:
     """What is most often meant by a message of the YAML parser."""
     for words, remedy in (
-        ("\\t", "indent with spaces instead of tabs"),
+        ("\\t", "write spaces instead of tabs"),
         ("mapping values are not allowed", "indent keys of one group alike, and put text that holds ': ' in quotes"),
         ("another document", "keep one scene in a file: remove the line `---`"),
         ("undefined alias", "define it before with &, or put text that begins with * in quotes"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import types
 import typing
 from typing import Any
@@ -9,18 +10,52 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from sim.similar import suggestion
-from workflow.document import Document, Location
+from sim.similar import similar, suggestion
+from workflow import slips
+from workflow.document import Document, Location, dotted
+from workflow.levels import home, levels, misplaced
 
 
 def explain(error: ValidationError, document: Document, model: type[BaseModel]) -> list[str]:
     """One text a problem: place, field, what is wrong, what would be right."""
-    problems: dict[str, None] = {}
-    for detail in error.errors(include_url=False):
-        path = _path_in_document(detail, document.data)
-        message, remedy = _explain(detail, path, model)
+    found = [(_path_in_document(detail, document.data), detail) for detail in error.errors(include_url=False)]
+    groups = [group for group in misplaced(document.data, model) if any(group.covers(path) for path, _ in found)]
+    problems = dict.fromkeys(document.problem(*group.problem()) for group in groups)
+    for path, detail in found:
+        if any(group.covers(path) for group in groups) or _follows(path, detail, found, model):
+            continue
+        message, remedy = _explain(detail, path, document, model)
         problems[document.problem(path, message, remedy)] = None
     return list(problems)
+
+
+def _follows(path: Location, detail: Any, found: list[tuple[Location, Any]], model: type[BaseModel]) -> bool:
+    """Whether a problem is only what another one leads to."""
+    if detail["type"] == "missing" and isinstance(detail["loc"][-1], int):
+        due = [other["loc"][-1] for place, other in found if place == path and other["type"] == "missing"]
+        return detail["loc"][-1] < max(due) or any(len(place) > len(path) == _common(place, path) for place, _ in found)
+    if detail["type"] == "missing":
+        unknown = [(place, other) for place, other in found if other["type"] == "extra_forbidden"]
+        return any(_stands_for(place, other, path, model) for place, other in unknown)
+    one_of_words = any(place == path and other["type"] == "literal_error" for place, other in found)
+    return detail["type"] == "model_type" and isinstance(detail["input"], str) and one_of_words
+
+
+def _stands_for(unknown: Location, detail: Any, missing: Location, model: type[BaseModel]) -> bool:
+    """Whether an unknown key is the missing one, misspelt or at another level."""
+    key, group, wanted, due = str(unknown[-1]), unknown[:-1], missing[:-1], str(missing[-1])
+    if group == wanted:
+        if isinstance(detail["input"], dict) and due in detail["input"]:
+            return True
+        known = _context(model, detail["loc"])[0]
+        return similar(key, known) == [due] or f"`{dotted(missing)}:`" in home(key, group, detail["input"], model)
+    return key == due and _common(group, wanted) == min(len(group), len(wanted))
+
+
+def _common(one: Location, other: Location) -> int:
+    """How many parts two locations have in common from the beginning on."""
+    same = (a == b for a, b in zip(one, other, strict=False))
+    return sum(itertools.takewhile(bool, same))
 
 
 def _path_in_document(detail: Any, data: Any) -> Location:
@@ -49,18 +84,28 @@ _BOUNDS = {
 }
 
 
-def _explain(detail: Any, path: Location, model: type[BaseModel]) -> tuple[str, str]:
+def _explain(detail: Any, path: Location, document: Document, model: type[BaseModel]) -> tuple[str, str]:
     """What is wrong, and what would be right."""
+    message, remedy = _told(detail, path, document, model)
+    unit = _context(model, detail["loc"])[1]
+    return message, slips.remedy(detail["type"], detail["input"], document.mark(path).text, unit) or remedy
+
+
+def _told(detail: Any, path: Location, document: Document, model: type[BaseModel]) -> tuple[str, str]:
+    """The same by the kind of the error alone."""
     kind, context, given = detail["type"], detail.get("ctx", {}), detail["input"]
     group, unit = _context(model, detail["loc"])
     shown, in_unit = _shown(given), f" [{unit}]" if unit not in {"", "1"} else ""
     if kind == "extra_forbidden":
-        return f"unknown key '{path[-1]}'", suggestion(str(path[-1]), group)
+        return f"unknown key '{path[-1]}'", _known_as(str(path[-1]), path[:-1], given, group, model)
     if kind == "missing":
-        return _missing(detail, path, in_unit)
+        return _missing(detail, path, in_unit, document, model)
     if kind in _BOUNDS:
         words, key = _BOUNDS[kind]
-        return f"must be {words} {context[key]:g}{in_unit}{shown}", f"give a number {words} {context[key]:g}{in_unit}"
+        millimetres = unit == "m" and "less" in kind and isinstance(given, int | float) and given / 1000 <= context[key]
+        meant = f", or '{given:g} mm' if millimetres were meant" if millimetres else ""
+        remedy = f"give a number {words} {context[key]:g}{in_unit}{meant}"
+        return f"must be {words} {context[key]:g}{in_unit}{shown}", remedy
     if kind == "union_tag_invalid":
         tags = [tag.strip().strip("'") for tag in str(context["expected_tags"]).split(",")]
         return f"unknown type '{context['tag']}'", suggestion(str(context["tag"]), tags)
@@ -69,18 +114,19 @@ def _explain(detail: Any, path: Location, model: type[BaseModel]) -> tuple[str, 
     if kind == "literal_error":
         allowed = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
         return f"must be {context['expected']}{shown}", suggestion(str(given), allowed)
+    if kind == "color" and context.get("remedy"):
+        return f"is not a colour{shown}", context["remedy"]
     if kind == "quantity":
         example = "" if unit in {"", "1"} else ", or a quantity in a unit of that kind"
-        return detail["msg"], f"give a plain number{in_unit}{example}"
+        return detail["msg"], context.get("remedy") or f"give a plain number{in_unit}{example}"
     if kind == "too_long" and isinstance(given, list):
         return _wrong_length(context["max_length"], len(given), in_unit)
     if kind == "too_short" and isinstance(given, dict):
         return "is empty", "name at least one thing in it, or remove the whole group"
     if kind == "string_pattern_mismatch" and "mp4" in context["pattern"]:
         return f"must end in .mp4{shown}", "give a path such as gallery/film.mp4"
-    if _KINDS.get(kind) is _LIST and isinstance(given, dict):
-        group = ", ".join(f"{key}: ..." for key in given)
-        return "must be a list, got one group", f"put it in a list, as [{{{group}}}]"
+    if _KINDS.get(kind) is _LIST and (items := levels(model).models((*path, 0))):
+        return _list_of_groups(given, items[0], shown)
     simple = _KINDS.get(kind)
     if simple:
         message, remedy = simple
@@ -119,12 +165,33 @@ def _shown(given: Any) -> str:
     return ""
 
 
-def _missing(detail: Any, path: Location, in_unit: str) -> tuple[str, str]:
+def _list_of_groups(given: Any, item: type[BaseModel], shown: str) -> tuple[str, str]:
+    """Of a list of groups of settings that is none."""
+    if not isinstance(given, dict):
+        due = ", ".join(f"{key}: ..." for key, info in item.model_fields.items() if info.is_required())
+        return f"must be a list{shown}", f"write a list, as [{{{due}}}]"
+    if not given.keys() & item.model_fields.keys() and all(isinstance(value, dict) for value in given.values()):
+        return "must be a list, got groups by name", "write a `-` in place of each name"
+    group = ", ".join(f"{key}: ..." for key in given)
+    return "must be a list, got one group", f"put it in a list, as [{{{group}}}]"
+
+
+def _known_as(key: str, group: Location, given: Any, known: list[str], model: type[BaseModel]) -> str:
+    """What an unknown key was meant for: one that looks like it, or the same at another level."""
+    return ("" if similar(key, known) else home(key, group, given, model)) or suggestion(key, known)
+
+
+def _missing(detail: Any, path: Location, in_unit: str, document: Document, model: type[BaseModel]) -> tuple[str, str]:
     last = detail["loc"][-1]
     given = detail["input"]
     if isinstance(last, int) and isinstance(given, list | tuple):
         return _wrong_length(last + 1, len(given), in_unit)
-    return "missing", f"add `{path[-1]}:`{in_unit}"
+    remedy = f"add `{path[-1]}:`{in_unit}"
+    if levels(model).names(path[:-1]):
+        # A preset, a wedge or --set may be about another one of these.
+        others = similar(str(path[-2]), document.value(path[:-2]).keys() - {path[-2]})
+        remedy += f", or did you mean '{others[0]}'?" if others else ""
+    return "missing", remedy
 
 
 def _wrong_length(due: int, given: int, in_unit: str) -> tuple[str, str]:

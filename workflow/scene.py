@@ -15,12 +15,13 @@ from render.spec import RenderSpec
 from sim.foam.spec import FoamSpec
 from sim.geometry import assets
 from sim.geometry.spec import MeshFile
-from sim.settings import Refused
+from sim.names import FLUID, resolve, resolve_one
+from sim.settings import Caution, Refused
 from sim.similar import suggestion
-from sim.spec import BodyForce, SimulationSpec, VertexPosition
+from sim.spec import SimulationSpec
 from sim.support import refuse_unsupported
 from sim.units import PositiveDuration
-from workflow.document import Document, SceneError, read
+from workflow.document import Document, SceneError, dotted, read
 from workflow.film_spec import FilmSpec
 from workflow.presets import QUALITIES, Quality, below
 from workflow.problems import explain
@@ -29,6 +30,10 @@ from workflow.wedge.combinations import MARK, Combination, combinations
 
 BUDGET, ACCURACY = "budget", "accuracy"
 """The quality of scenes whose settings were chosen for a time, and for an error."""
+
+
+LOOKS = {"water": "render.water", "foam": "render.foam", "ground": "render.ground.material"}
+"""Where looks are given that are of no body."""
 
 
 class SceneFile(SimulationSpec):
@@ -86,6 +91,12 @@ class Scene:
     def error(self, refused: Refused) -> SceneError:
         """The refusal with its line in the scene file."""
         return SceneError([self.document.problem(refused.location, refused.message, refused.remedy)])
+
+    def warning(self, caution: Caution) -> str:
+        """The caution in one line, with its field and its line in the scene file."""
+        mark, field = self.document.mark(caution.location), dotted(caution.location)
+        place = f"line {mark.line}: " if mark.line and field else ""
+        return f"warning: {place}{field}{': ' if field else ''}{caution.text}"
 
 
 def load(path: Path, *, quality: str | None = None, overrides: Sequence[str] = (), root: Path | None = None) -> Scene:
@@ -201,36 +212,22 @@ def _seconds(frames: int, fps: float) -> str:
 
 
 def _check_across_stages(scene: Scene) -> None:
-    simulation = scene.simulation
-    seen: dict[str, tuple[str | int, ...]] = {}
-    for location, _ in simulation.placements():
-        name = str(location[-1])
-        if name in seen:
-            first = ".".join(map(str, seen[name]))
-            message = f"there is already a body named '{name}', {first}"
-            raise Refused(message, location=location, remedy="give each body, sheet and container a name of its own")
-        seen[name] = location
-    if scene.foam is not None and simulation.fluid is None:
+    found = resolve(scene.simulation)
+    if scene.foam is not None and scene.simulation.fluid is None:
         raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
     for name in scene.render.named_bodies():
-        if name not in seen:
-            location = ("render", "materials", name)
-            raise Refused(f"there is no body named '{name}'", location=location, remedy=suggestion(name, seen))
-    for name, probe in simulation.probes.items():
-        target = {BodyForce: "body", VertexPosition: "sheet"}.get(type(probe))
-        if target and getattr(probe, target) not in seen:
-            wanted = getattr(probe, target)
-            location = ("probes", name, target)
-            raise Refused(f"there is no body named '{wanted}'", location=location, remedy=suggestion(wanted, seen))
-    present = [name for name in seen if not any(name in event.add.names() for event in simulation.events)]
-    for index, event in enumerate(simulation.events):
-        present += event.add.names()
-        for name in event.remove:
-            if name not in present:
-                when = "at that time " if name in seen else ""
-                message = f"{when}there is no body named '{name}'"
-                raise Refused(message, location=("events", index, "remove"), remedy=suggestion(name, present))
-            present.remove(name)
+        location = ("render", "materials", name)
+        if name in LOOKS and name not in found:
+            remedy = f"give the look as {LOOKS[name]}"
+            raise Refused(
+                f"materials are of bodies, sheets and containers, and none is named '{name}'",
+                location=location,
+                remedy=remedy,
+            )
+        kind = resolve_one(name, found, location).kind
+        if kind in FLUID:
+            message = f"'{name}' is {kind}: all of the fluid has one look"
+            raise Refused(message, location=location, remedy="give it as render.water, which may be of any type")
 
 
 def _check_writes(scene: Scene, root: Path) -> None:

@@ -16,18 +16,11 @@ ALONE = 4000
 """Cloths of fewer points are stepped by one thread on a CPU."""
 
 
-class ClothMesh:
-    """Points, springs and hinges of all sheets, numbered through."""
+class Elastic:
+    """Points, springs and hinges of all sheets as they are placed, numbered through."""
 
     def __init__(
-        self,
-        sheets: list[ClothSheet],
-        fabrics: list[Fabric],
-        position: np.ndarray,
-        velocity: np.ndarray,
-        held: np.ndarray,
-        air: Air | None,
-        solids: np.ndarray | None = None,
+        self, sheets: list[ClothSheet], fabrics: list[Fabric], held: np.ndarray, solids: np.ndarray | None = None
     ):
         """`solids`: points of solids [m], shape [n, 3], which follow those of the cloth."""
         starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics])
@@ -45,6 +38,24 @@ class ClothMesh:
         hinges = [_hinges(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
         self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.shrinking = _near_first(hinges)
         self.springs, self.hinges = len(self.ends), len(self.corners)
+
+
+class ClothMesh(Elastic):
+    """The same on the device, as it moves."""
+
+    def __init__(
+        self,
+        sheets: list[ClothSheet],
+        fabrics: list[Fabric],
+        position: np.ndarray,
+        velocity: np.ndarray,
+        held: np.ndarray,
+        air: Air | None,
+        solids: np.ndarray | None = None,
+    ):
+        """`solids` as of Elastic."""
+        super().__init__(sheets, fabrics, held, solids)
+        solids = self.placed[self.count :]
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
         position = np.concatenate([position, solids])

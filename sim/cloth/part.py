@@ -13,7 +13,7 @@ from sim.cloth.fabric import Fabric, weave
 from sim.cloth.loose import Bodies, LooseBodies
 from sim.cloth.measure import ClothMeasure, Meter
 from sim.cloth.mesh import ClothMesh
-from sim.cloth.pins import Lead, find_pins
+from sim.cloth.pins import Lead, find_pins, refuse_jump
 from sim.cloth.place import put
 from sim.cloth.pull import pulls
 from sim.cloth.solids import Solids
@@ -22,9 +22,6 @@ from sim.cloth.state import ClothState
 from sim.cloth.surfaces import Surface
 from sim.cloth.tables import integers, vectors
 from sim.settings import Refused
-
-ELSEWHERE = 1e-3
-"""A pin may not take points by more than this share of their sheet's size at once."""
 
 
 @dataclass(frozen=True)
@@ -209,14 +206,8 @@ class ClothPart:
     def _refuse_jumps(self, position: np.ndarray, time: float) -> None:
         for lead in self._leads:
             name = next(name for name, rows in self._rows.items() if rows.start <= lead.points[0] < rows.stop)
-            size = np.ptp(self.mesh.placed[self._rows[name]], axis=0).max()
-            jump = float(np.linalg.norm(lead.at(time) - position[lead.points], axis=1).max())
-            if jump > ELSEWHERE * size:
-                raise Refused(
-                    f"a pin would take points {jump:.3g} m elsewhere at once at {time:g} s",
-                    location=("cloth", "sheets", name, "pins"),
-                    remedy="let its first keyframe have no offset, or give pins without keyframes",
-                )
+            size = float(np.ptp(self.mesh.placed[self._rows[name]], axis=0).max())
+            refuse_jump(name, lead, position[lead.points], size, time)
 
 
 def _fluid_force(sheets: list[PlacedSheet], state: ClothState) -> np.ndarray:

@@ -34,6 +34,22 @@ class Lead:
         return replace(self, points=self.points + start)
 
 
+ELSEWHERE = 1e-3
+"""A pin may not take points by more than this share of their sheet's size at once."""
+
+
+def refuse_jump(sheet: str, lead: Lead, position: np.ndarray, size: float, time: float) -> None:
+    """Raise Refused where points that are led and are at `position` [m], shape [n, 3], would be elsewhere at once;
+    size: of their sheet [m]."""
+    jump = float(np.linalg.norm(lead.at(time) - position, axis=1).max())
+    if jump > ELSEWHERE * size:
+        raise Refused(
+            f"a pin would take points {jump:.3g} m elsewhere at once at {time:g} s",
+            location=("cloth", "sheets", sheet, "pins"),
+            remedy="let its first keyframe have no offset, or give pins without keyframes",
+        )
+
+
 def find_pins(sheet: ClothSheet, fabric: Fabric) -> tuple[np.ndarray, list[Lead]]:
     """Whether each point is held, and those of them that are led; raises Refused, located within the sheet."""
     held, leads = np.zeros(len(fabric.points), bool), []

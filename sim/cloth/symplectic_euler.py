@@ -14,7 +14,7 @@ import numpy as np
 from sim.cloth import explicit
 from sim.cloth.collision import Collisions
 from sim.cloth.explicit import Workspace
-from sim.cloth.mesh import ClothMesh, fold
+from sim.cloth.mesh import ClothMesh, Elastic, fold
 from sim.cloth.small_steps import SmallSteps
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import numbers, vectors
@@ -75,7 +75,7 @@ class SymplecticEuler(SmallSteps):
         return super().bytes + 8 * (3 * self.mesh.springs + 13 * self.mesh.hinges)
 
 
-def longest_step(mesh: ClothMesh) -> float:
+def longest_step(mesh: Elastic) -> float:
     """The longest stable step [s]; infinite without stiffness or free points."""
     stiff = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
     damped = _row_sums(mesh, mesh.damping, mesh.bend_damping)
@@ -88,7 +88,7 @@ def longest_step(mesh: ClothMesh) -> float:
     return 2 / frequency * (math.sqrt(1 + ratio**2) - ratio)
 
 
-def _row_sums(mesh: ClothMesh, along: np.ndarray, bending: np.ndarray) -> np.ndarray:
+def _row_sums(mesh: Elastic, along: np.ndarray, bending: np.ndarray) -> np.ndarray:
     """Sums of the rows of the matrix of springs and hinges, by magnitude, shape [points]."""
     rows = np.bincount(mesh.ends.ravel(), weights=np.repeat(2 * along, 2), minlength=mesh.count)
     if mesh.hinges:

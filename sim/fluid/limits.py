@@ -2,6 +2,8 @@
 
 import math
 
+from sim.fluid.spec import Fluid
+
 
 def force_limit(half: float, acceleration: float) -> float:
     """0.25 sqrt(half / a) [s]."""
@@ -28,6 +30,17 @@ def capillary_limit(half: float, surface_tension: float, density: float) -> floa
     """sqrt(rho half^3 / (4 pi sigma)) [s]: the shortest capillary wave goes its length (Brackbill et al. 1992);
     surface_tension [N/m]."""
     return math.sqrt(density * half**3 / (4.0 * math.pi * surface_tension)) if surface_tension > 0 else math.inf
+
+
+TENSION_STEP = {"becker2007": 0.5, "akinci2013": 1.0}
+"""Share of the step that resolves capillary waves: at 0.7 of it the attraction of Becker & Teschner, which pulls
+harder the nearer particles are, bursts drops of iterative solvers."""
+
+
+def tension_limit(half: float, fluid: Fluid) -> float:
+    """The step [s] for the surface tension and adhesion of a fluid."""
+    tension = max(fluid.surface_tension, fluid.adhesion)
+    return TENSION_STEP[fluid.surface_tension_model] * capillary_limit(half, tension, fluid.rest_density)
 
 
 def way_limit(way: float, pace: float) -> float:

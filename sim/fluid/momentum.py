@@ -16,13 +16,9 @@ from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.friction import NO_GRIP, face_friction, find_grip, sample_friction
 from sim.fluid.kernel import cubic, cubic_slope
-from sim.fluid.limits import capillary_limit, viscosity_limit
+from sim.fluid.limits import tension_limit, viscosity_limit
 from sim.fluid.system import FluidSystem
 from sim.neighbors import padded
-
-TENSION_STEP = {"becker2007": 0.5, "akinci2013": 1.0}
-"""Share of the step that resolves capillary waves: at 0.7 of it the attraction of Becker & Teschner, which pulls
-harder the nearer particles are, bursts drops of iterative solvers."""
 
 
 class Momentum:
@@ -68,8 +64,7 @@ class Momentum:
         strongest = self.grip.strongest * (1.0 + bodies.lightness if bodies else 1.0)
         return {
             "viscosity": viscosity_limit(half, explicit, strongest),
-            "surface tension": TENSION_STEP[spec.surface_tension_model]
-            * capillary_limit(half, max(spec.surface_tension, spec.adhesion), spec.rest_density),
+            "surface tension": tension_limit(half, spec),
         }
 
     def accelerate(self) -> None:

@@ -15,6 +15,8 @@ from sim.geometry.shapes import place
 from sim.geometry.solids import Solid
 from sim.settings import Refused
 
+FAR_TOO_MANY = 1e9
+"""Particles that are rather a slip of units than a wish."""
 LOOKED_AT = 1000
 """Particles of a body of which the depth is found."""
 
@@ -93,12 +95,14 @@ def find_source(name: str, body: FluidBody, fluid: Fluid, folder: Path, location
         solid = place(body.shape, body, folder)
     except Refused as refused:
         raise refused.at(*location) from None
-    if solid.volume / fluid.spacing**3 > fluid.max_particles:
+    number = solid.volume / fluid.spacing**3
+    if number > fluid.max_particles:
         radius = (solid.volume / fluid.max_particles) ** (1 / 3) / 2
+        meant = "; plain numbers are metres, millimetres are written as 300 mm" if number > FAR_TOO_MANY else ""
         raise Refused(
-            f"'{name}' would need about {solid.volume / fluid.spacing**3:,.0f} particles, more than "
+            f"'{name}' would need about {number:,.0f} particles, more than "
             f"fluid.max_particles = {fluid.max_particles:,}",
             location=location,
-            remedy=f"use a particle_radius above {radius:.3g} m, or raise the limit",
+            remedy=f"use a particle_radius above {radius:.3g} m, or raise the limit{meant}",
         )
     return Source(name, location, solid, VelocityField.of(body), _is_relaxed(body), fluid.spacing)

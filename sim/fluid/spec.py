@@ -101,7 +101,8 @@ class Emitter(Timed):
     @model_validator(mode="after")
     def _speed_or_rate(self) -> Self:
         if (self.speed is None) == (self.rate is None):
-            raise ValueError("an emitter needs exactly one of speed and rate")
+            remedy = "add one of them" if self.speed is None else "remove one of them"
+            raise ValueError(f"an emitter needs exactly one of speed and rate: {remedy}")
         return self
 
 
@@ -133,6 +134,15 @@ class Incompressible(Settings):
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 100
     """Iterations after which a step goes on with a larger error; such steps are counted in summary.json. Fluid deeper
     than 25 layers of particles may take as many more as it is deeper."""
+
+    @model_validator(mode="after")
+    def _least_below_most(self) -> Self:
+        if self.min_iterations > self.max_iterations:
+            raise ValueError(
+                f"min_iterations ({self.min_iterations}) must be at most max_iterations ({self.max_iterations}): "
+                "lower the one, or raise the other"
+            )
+        return self
 
 
 class Pcisph(Incompressible):

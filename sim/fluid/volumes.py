@@ -10,6 +10,8 @@ from sim.fluid.sources import Source
 
 TOLERANCE = 0.02
 """Share of a volume by which that of the particles may differ from it without a warning."""
+MOST = 0.5
+"""Share of a body that may be where something else is."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,11 @@ class Volume:
         return f"{self.name}: {litres(self.given)} of {litres(self.asked)}{left}"
 
     def warnings(self) -> Iterator[str]:
+        if self.free < MOST * self.asked:
+            yield (
+                f"'{self.name}' has room for {litres(self.free)} of its {litres(self.asked)} only: the rest is outside "
+                "of the containers, or where solids or other fluid are; make it smaller, or move it"
+            )
         if self.thickness < (1 - 1e-3) * self.spacing:
             yield (
                 f"'{self.name}' is {1000 * self.thickness:.3g} mm thick, less than the distance of particles, "

@@ -50,10 +50,12 @@ def particle_number(solid: Solid, spacing: float) -> int:
     check_number(solid.volume / spacing**3, spacing)
     number = round(solid.volume / spacing**3)
     if number == 0:
+        # A radius in metres larger than the body may be one in millimetres.
+        meant = f", or {spacing / 2:g} mm if that was meant" if spacing > 1 else ""
         raise Refused(
             f"no particle fits into the shape: its {solid.volume:.4g} m^3 are less than half a particle's, "
             f"{spacing**3:.4g} m^3",
-            remedy=f"Make the shape larger, or use a particle_radius below {solid.volume ** (1 / 3) / 2:.3g} m",
+            remedy=f"Make the shape larger, or use a particle_radius below {solid.volume ** (1 / 3) / 2:.3g} m{meant}",
         )
     return number
 

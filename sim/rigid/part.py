@@ -19,6 +19,7 @@ from sim.movement import Movement
 from sim.rigid import contact_solver, free_motion, gather, restitution
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
+from sim.rigid.limits import step_limits
 from sim.rigid.narrow_phase import find_contacts
 from sim.rigid.pulls import pulled
 from sim.rigid.spec import Rigid
@@ -30,10 +31,6 @@ STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "con
 the deepest overlap [m], and whether the sweeps ended at their cap."""
 DEEP = 0.01
 """Overlap of two bodies over the smaller one's size that is not what contacts leave."""
-TURN = 0.1
-"""Greatest turn of a body in a step [rad]."""
-WAY = 0.5
-"""Greatest way of a body in a step, over its own size."""
 SKIN = 1e-3
 """Contacts are followed from this share of the smaller body's size on, beyond what bodies go in a step."""
 SLACK = 1e-4
@@ -487,12 +484,7 @@ class RigidPart:
 
     def step_limits(self, measure: RigidMeasure) -> dict[str, float]:
         """Largest steps [s] by what limits them."""
-        limits = {"rigid step": self.settings.max_step}
-        if measure.spin_max > 0:
-            limits["spin"] = TURN / measure.spin_max
-        if measure.pace > 0:
-            limits["way"] = WAY / measure.pace
-        return limits
+        return step_limits(self.settings.max_step, measure.pace, measure.spin_max)
 
     def movement(self, index: int) -> Movement:
         """Where a body is now."""

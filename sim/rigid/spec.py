@@ -95,6 +95,13 @@ class RigidBody(Placement, Contact):
     """Springs that draw a dynamic body; events may move them, and let go by setting none."""
 
     @model_validator(mode="after")
+    def _weighs_one_way(self) -> Self:
+        # A canonical dump names the default, too.
+        if self.mass is not None and self.density != type(self).model_fields["density"].default:
+            raise ValueError("mass and density exclude each other")
+        return self
+
+    @model_validator(mode="after")
     def _motion_is_consistent(self) -> Self:
         moves = any(self.velocity) or any(self.angular_velocity)
         if self.motion == "prescribed" and not (self.keyframes or moves):

@@ -148,9 +148,9 @@ def test_the_same_particles_every_time(tmp_path):
 )
 def test_check_tells_the_volume(size, told):
     data = scene({"water": {"shape": {"type": "box", "size": size}}})
-    line = preview(SimulationSpec.model_validate(data), Path())
-    assert told in line
-    assert ("warning" in line) == (size[1] < 0.0198)
+    found = preview(SimulationSpec.model_validate(data), Path())
+    assert any(told in text for text in (found.contents, *(caution.text for caution in found.cautions)))
+    assert bool(found.cautions) == (size[1] < 0.0198)
 
 
 @pytest.mark.parametrize("container", ["box", "glass"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -148,3 +150,35 @@ def test_what_begins_inside_another_is_told(depth):
     bodies = {"upper": box((0.2, 0.2, 0.2), position=[0, 0.2 - depth, 0]), "lower": box((0.4, 0.2, 0.4))}
     told = part(bodies | {"ball": ball(0.1, position=[2, 0, 0])}).overlaps()
     assert told == ([("upper", "lower", pytest.approx(depth))] if depth > 0.002 else [])
+
+
+FLOOR = {"shape": {"type": "plane"}}
+EIGHTH = turn((0, 0, 1), np.pi / 4)
+PAIRS = {
+    "a corner": (box((1, 1, 1)), box((1, 1, 1), position=[0.9, 0.9, 0.9])),
+    "all of a face": (box((1, 1, 1)), box((1, 1, 1), position=[0, 0.97, 0])),
+    "next to nothing": (box((1, 1, 1)), box((1, 1, 1), position=[0, 0.995, 0])),
+    "side by side": (box((1, 1, 1)), box((1, 1, 1), position=[1.01, 0, 0])),
+    "crossed beams": (box((3, 0.2, 0.2)), box((0.2, 3, 0.2))),
+    "crossed edges": (box((1, 1, 1), rotation=EIGHTH), box((1, 1, 1), rotation=EIGHTH, position=[1.36, 0.1, 0.4])),
+    "balls": (ball(0.1), ball(0.2, position=[0, 0.28, 0])),
+    "one in the other": (ball(0.1), box((1, 1, 1))),
+    "a ball in the floor": (ball(0.1, position=[0, 0.05, 0]), FLOOR),
+    "a box on the floor": (box((1, 1, 1), position=[0, 0.5, 0]), FLOOR),
+    "far apart": (ball(0.1), ball(0.2, position=[0, 3, 0])),
+}
+
+
+@pytest.mark.parametrize("case", PAIRS)
+def test_what_is_told_before_anything_is_built_is_what_the_run_tells(case):
+    """Of the same pairs; the depth of a point is at most the way that takes the bodies apart."""
+    from sim.obstacles import find_obstacles
+    from sim.overlaps import overlaps
+    from sim.spec import SimulationSpec
+
+    bodies = dict(zip("ab", PAIRS[case], strict=True))
+    spec = SimulationSpec.model_validate({"rigid": {"bodies": bodies}})
+    told = {frozenset(pair): depth for *pair, depth in overlaps(find_obstacles(spec, Path()))}
+    known = {frozenset(pair): depth for *pair, depth in part(bodies).overlaps()}
+    assert told.keys() == known.keys()
+    assert all(told[pair] <= 1.001 * known[pair] for pair in known)

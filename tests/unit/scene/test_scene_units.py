@@ -26,6 +26,16 @@ GOOD = [
     ("deg", "1 turn", 360),
     ("deg", "45 °", 45),
     ("1", "0.3", 0.3),
+    ("kg/m^3", "800 kg/m3", 800),
+    ("kg/m^3", "800 kg m-3", 800),
+    ("m/s^2", "\N{MINUS SIGN}9.81 m/s2", -9.81),
+    ("m/s^2", "9.81 m·s⁻²", 9.81),
+    ("m", "5\N{NO-BREAK SPACE}mm", 0.005),
+    ("m", "5\N{NARROW NO-BREAK SPACE}mm", 0.005),
+    ("deg", "45\N{MASCULINE ORDINAL INDICATOR}", 45),
+    ("Hz", "12 1/s", 12),
+    ("Hz", "12 /s", 12),
+    ("m^3/s", "5 m3/s", 5),
 ]
 
 
@@ -52,6 +62,38 @@ BAD = [
     ("Hz", "30 rpm"),
     ("kg/m^3", "1 kg"),
 ]
+
+
+MEANT = [
+    ("m", "0,05", "decimals have a point: write 0.05"),
+    ("m", "2,5 cm", "write 2.5 cm"),
+    ("m", "1,250 mm", "write 1.250 mm, or 1250 mm if thousands were meant"),
+    ("1", "1,000,000", "write 1000000 without commas"),
+    ("1", "50 %", "write 0.5"),
+    ("1", "1/2", "write 0.5"),
+    ("1", "3 kg", "give a plain number, without a unit"),
+    ("m", "50 %", ""),
+    ("m", "\u201c25 mm\u201d", "write 25 mm without these quotes"),
+    ("m", '2 "', "write 2 in"),
+    ("m", "25 MM", "write 25 mm"),
+    ("s", "2 S", "write 2 s"),
+    ("m", "0; 1; 2", "part values by commas, as [0, 1, 2]"),
+    ("m/s^2", "\N{EN DASH}9.81", "that is a dash: write -9.81"),
+    ("m/s^2", "2 g", "g is the gram: write 19.62"),
+    ("m^2/s", "5 Pa·s", "the kinematic viscosity is meant, which is this one over the density: write 0.005"),
+    ("rad/s", "2 Hz", "write it in rad/s, deg/s or rpm"),
+    ("Hz", "12 fps", "write 12"),
+    ("kg", "9.81 N", "write 1 kg"),
+    ("m", "10 s", ""),
+]
+
+
+@pytest.mark.parametrize(("unit", "text", "remedy"), MEANT)
+def test_what_was_meant(unit, text, remedy):
+    with pytest.raises(PydanticCustomError) as refused:
+        Unit(unit).convert(text)
+    found = refused.value.context["remedy"]
+    assert remedy in found and bool(remedy) == bool(found)
 
 
 @pytest.mark.parametrize(("unit", "text"), BAD)

@@ -81,6 +81,13 @@ def test_numbers_of_yaml_1_2(bench, scene):
     bench.accepts(text.replace("25 mm", "2.5e-2") + "gravity: [0, -1e1, 0]\n")
 
 
+def test_signs_that_look_like_those_of_yaml(bench, scene):
+    """A minus sign, no-break blanks before keys and values, and what can not be seen."""
+    text = scene(more="gravity: [0, \u22129.81, 0]\nrender: {exposure: \u22121e\u22121}\ndescription: 5\u00a0mm")
+    text = text.replace("  particle_radius: 25 mm", "\u00a0\u00a0particle_radius:\u202f25\u00a0mm")
+    bench.accepts(text.replace("viscosity", "visco\u200bsity"))
+
+
 def test_lines_count_as_in_an_editor(bench, scene):
     bench.refuses(scene(more="frames: 1").replace("\n", "\r\n").encode(), "unknown key 'frames'", at="frames")
     bench.refuses(("\ufeff" + scene(more="frames: 1")).encode(), "unknown key 'frames'", at="frames")

@@ -1,0 +1,60 @@
+"""Which bodies are placed inside each other, found before anything is built that steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from sim.geometry.distance import cover
+from sim.obstacles import Obstacle, Obstacles
+
+DEEP = 0.01
+"""Overlap of two bodies over the smaller one's size that is told."""
+POINTS = 2000
+"""That look from the surface of one for the inside of the other."""
+
+
+def overlaps(obstacles: Obstacles) -> list[tuple[str, str, float]]:
+    """Names of solids, one of which obeys forces, that are placed inside each other by more than DEEP of the smaller
+    one's size, and how deep [m]."""
+    return [
+        (one, other, depth)
+        for one, other, depth, size in _meetings(obstacles, obstacles.dynamic)
+        if depth > DEEP * size
+    ]
+
+
+def _meetings(obstacles: Obstacles, dynamic: dict[int, Obstacle]) -> Iterator[tuple[str, str, float, float]]:
+    for index, item in dynamic.items():
+        for wall in obstacles.walls:
+            lowest = float((item.solid.mesh.vertices @ wall.normal).min())
+            yield item.name, wall.body, wall.offset - lowest, item.size
+        for place, other in enumerate(obstacles.placed):
+            if place != index and not (place in dynamic and place < index):
+                yield item.name, other.name, _depth(item, other), min(item.size, other.size)
+
+
+def _depth(one: Obstacle, other: Obstacle) -> float:
+    """How deep the surface of one of them comes into the other [m], 0 where they are apart."""
+    if other.hollow:
+        points = _surface(one, np.array([np.full(3, -np.inf), np.full(3, np.inf)]))
+        return max(float(other.solid.signed_distance(points).max()), 0.0)
+    low, high = (np.array([item.solid.bounds[side] for item in (one, other)]) for side in (0, 1))
+    common = np.array([low.max(axis=0), high.min(axis=0)])
+    if np.any(common[0] >= common[1]):
+        return 0.0
+    looks = [(_surface(a, common), b) for a, b in ((one, other), (other, one))]
+    return max(-min((float(b.solid.signed_distance(points).min(initial=0.0))) for points, b in looks), 0.0)
+
+
+def _surface(item: Obstacle, within: np.ndarray) -> np.ndarray:
+    """Points of a surface [m], shape [n, 3], in a box: vertices, and points on the triangles that reach into it."""
+    mesh = item.solid.mesh
+    corners = mesh.vertices[mesh.faces]
+    near = np.all((corners.max(axis=1) >= within[0]) & (corners.min(axis=1) <= within[1]), axis=1)
+    if not near.any():
+        return np.zeros((0, 3))
+    some = np.flatnonzero(near)[:: -(-int(near.sum()) // POINTS)]
+    points = np.concatenate([corners[some].reshape(-1, 3), cover(corners[some], POINTS)[0]])
+    return points[np.all((points >= within[0]) & (points <= within[1]), axis=1)]

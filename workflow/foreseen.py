@@ -1,0 +1,83 @@
+"""What is known of a film before it is made, and may not be what was meant: a camera in the water, changes that come
+after the end."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sim.names import resolve
+from sim.preview import Preview
+from sim.settings import Caution
+from workflow.scene import Scene
+
+
+def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
+    """One for each thing that the film would not show, or not as it was meant."""
+    yield from _after_the_end(scene)
+    yield from _of_the_camera(scene, found)
+    blender = scene.render.blender
+    if blender is not None and shutil.which(blender) is None:
+        yield Caution(f"there is no Blender at {blender} on this machine", ("render", "blender"))
+
+
+def _after_the_end(scene: Scene) -> Iterator[Caution]:
+    """What happens when the film is over; probes of what only comes then measure nothing."""
+    end = scene.duration
+    over = f"and the film ends at {end:g} s: raise duration, or remove it"
+    for index, event in enumerate(scene.simulation.events):
+        if event.at >= end:
+            yield Caution(f"happens at {event.at:g} s, {over}", ("events", index))
+    known = resolve(scene.simulation)
+    for item in known.values():
+        late = _begins(item.body)
+        if late is not None and late[0] >= end:
+            yield Caution(f"begins at {late[0]:g} s, {over}", (*item.location, late[1]))
+    for name, probe in scene.simulation.probes.items():
+        for key in ("body", "sheet"):
+            target = known.get(getattr(probe, key, ""))
+            if target and target.location[0] == "events" and scene.simulation.events[target.location[1]].at >= end:
+                text = f"'{getattr(probe, key)}' is not there before the film ends at {end:g} s: remove the probe"
+                yield Caution(text, ("probes", name, key))
+
+
+def _begins(body: Any) -> tuple[float, str] | None:
+    """When something that works for a part of the time begins [s], and the setting that says so."""
+    keyframes = getattr(body, "keyframes", ())
+    if len(keyframes) > 1:
+        return keyframes[0].at, "keyframes"
+    start = getattr(body, "start", None)
+    return (start, "start") if start is not None else None
+
+
+def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:
+    """Where it stands at the start, if the scene says so."""
+    camera = scene.render.camera
+    first = camera.keyframes[0] if camera.keyframes else camera
+    if first.position is None:
+        return
+    location = ("render", "camera", *(("keyframes", 0) if camera.keyframes else ()), "position")
+    place = np.array(first.position)
+    for item in found.world.obstacles.placed:
+        if item.solid.closed and not item.hollow and item.solid.contains(place[None])[0]:
+            yield Caution(f"the camera begins inside '{item.name}': move it out", location)
+    fluid = scene.simulation.fluid
+    if len(found.points) and cKDTree(found.points).query(place)[0] < fluid.spacing:
+        yield Caution("the camera begins under water: move it out, if that is not meant", location)
+    ground = _ground(scene, found)
+    if place[1] < ground:
+        text = f"the camera begins below the ground at y = {ground:.3g} m, which hides everything"
+        yield Caution(f"{text}: move it up, or give render.ground.enabled: false", location)
+
+
+def _ground(scene: Scene, found: Preview) -> float:
+    """Height of the ground that is drawn [m]; nowhere without one, or where things may fall for who knows how far."""
+    ground = scene.render.ground
+    floors = [wall.offset for wall in found.world.obstacles.walls if wall.normal[1] > 0.999]
+    if not ground.enabled or (ground.height is None and not floors):
+        return -np.inf
+    return min(*floors, float(found.world.bounds[0][1])) if ground.height is None else ground.height
