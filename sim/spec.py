@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
-from sim.geometry.spec import MeshFile, Placement
+from sim.geometry.spec import ClosedMesh, Placement
 from sim.rigid.spec import Contact, Rigid, RigidBody
 from sim.settings import Name, Settings
 from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Length, Position, PositiveDuration
@@ -48,7 +48,7 @@ class MeshContainer(Placement, Contact):
     """The inside of a closed mesh."""
 
     type: Literal["mesh"]
-    shape: MeshFile
+    shape: ClosedMesh
 
 
 Container = Annotated[BoxContainer | MeshContainer, Field(discriminator="type")]

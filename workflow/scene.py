@@ -14,7 +14,7 @@ from pydantic import Field, ValidationError
 from render.spec import RenderSpec
 from sim.foam.spec import FoamSpec
 from sim.geometry import assets
-from sim.geometry.spec import MeshFile
+from sim.geometry.spec import MeshSurface
 from sim.names import FLUID, resolve, resolve_one
 from sim.settings import Caution, Refused
 from sim.similar import suggestion
@@ -243,7 +243,7 @@ def _find_assets(scene: Scene) -> dict[str, str]:
     wanted = [
         ((*location, "shape", "file"), body.shape.file)
         for location, body in scene.simulation.placements()
-        if isinstance(getattr(body, "shape", None), MeshFile)
+        if isinstance(getattr(body, "shape", None), MeshSurface)
     ]
     wanted += [(("render", *location), file) for location, file in scene.render.assets()]
     digests = {}

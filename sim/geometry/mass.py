@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     import trimesh
 
 
-# The share of a mesh's volume that may lie where it cuts through itself: the mass is right to that.
-_COUNTED_WRONGLY = 1e-3
-
-
 @dataclass(frozen=True)
 class MassProperties:
     """Mass properties of a rigid body of uniform density."""
@@ -50,7 +46,7 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
     Raises `Refused` for an open or inverted mesh, one whose pieces overlap or that cuts through itself (what they have
     in common would count twice), and for moments that no body has.
     """
-    from sim.geometry.overlap import overlapping_pieces, volume_counted_wrongly
+    from sim.geometry.overlap import COUNTED_WRONGLY, overlapping_pieces, volume_counted_wrongly
     from sim.geometry.topology import Topology
 
     topology = Topology.of(mesh)
@@ -75,7 +71,7 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
             remedy="Unite the pieces (Boolean union) in a modelling program",
         )
     share = volume_counted_wrongly(mesh) / volume
-    if share > _COUNTED_WRONGLY:
+    if share > COUNTED_WRONGLY:
         raise Refused(
             f"the mesh cuts through itself: {100 * share:.3g} % of its volume would count twice or be negative",
             remedy="Unite it with itself (Boolean union) in a modelling program",

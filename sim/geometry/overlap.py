@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
 
 # Samples a piece on which its overlap with others is tested.
 _OVERLAP_POINTS = 5000
+COUNTED_WRONGLY = 1e-3
+"""The share of a mesh's volume that may lie where it cuts through itself: the mass is right to that."""
 COLUMNS = 10_000
 """Vertical lines along which the volume that counts wrongly is measured."""
 
@@ -24,13 +27,29 @@ def volume_counted_wrongly(mesh: trimesh.Trimesh) -> float:
     """
     from sim.geometry.winding import WindingNumber
 
-    low, high = mesh.bounds[:, :2]
+    return _volume(mesh, WindingNumber(mesh).counted_wrongly)
+
+
+def volume_inside_out(mesh: trimesh.Trimesh) -> float:
+    """Volume [m^3] of what a closed mesh encloses with its faces inward; as exact as `volume_counted_wrongly`."""
+    from sim.geometry.winding import WindingNumber
+
+    return _volume(mesh, WindingNumber(mesh).length_inside_out)
+
+
+def columns_over(bounds: np.ndarray) -> np.ndarray:
+    """About `COLUMNS` places of vertical lines through a box [m], shape [2, 3], each in a rectangle of the same area;
+    shape [n, 2]."""
+    low, high = bounds[:, :2]
     extent = high - low
     spacing = np.sqrt(max(extent.prod(), 1e-300) / COLUMNS)
     number = np.clip(np.ceil(extent / spacing), 1, COLUMNS).astype(int)
     x, y = (low[axis] + extent[axis] * (np.arange(number[axis]) + 0.5) / number[axis] for axis in range(2))
-    columns = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    return float(WindingNumber(mesh).counted_wrongly(columns).mean() * extent.prod())
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _volume(mesh: trimesh.Trimesh, length: Callable[[np.ndarray], np.ndarray]) -> float:
+    return float(length(columns_over(mesh.bounds)).mean() * np.ptp(mesh.bounds[:, :2], axis=0).prod())
 
 
 def overlapping_pieces(mesh: trimesh.Trimesh) -> int:

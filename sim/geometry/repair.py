@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 import trimesh
 
+from sim.geometry.closing import closed_pieces, with_lids
+from sim.geometry.openings import mouths, within
 from sim.geometry.topology import (
     Topology,
     cleaned,
@@ -17,12 +21,13 @@ from sim.geometry.topology import (
     signed_volume,
     surface_area,
 )
+from sim.geometry.union import united
 from sim.settings import Refused
 
 # A closed piece below this share of the largest piece's volume is debris of the scan.
 _NEGLIGIBLE_VOLUME = 1e-5
-# A repair that throws away more than this share of the surface has not understood the mesh.
-_LEAST_AREA = 0.5
+# A repair that adds or takes away more than this share of the surface has not understood the mesh.
+_MOST_CHANGED = 0.05
 # A solid thinner than this share of (area)^(3/2) is a double-sided sheet: its volume is rounding.
 _FLAT = 1e-7
 
@@ -46,6 +51,8 @@ class RepairReport:
     """Edges with three faces or more."""
     degenerate_faces: int
     """Faces without area, or that repeat another."""
+    seams: int
+    """Vertices joined with others that are almost where they are."""
     self_intersecting_faces: int
     """Faces that still cut through others afterwards."""
     inconsistent_winding: bool
@@ -59,6 +66,8 @@ class RepairReport:
     """Share of the area that the dropped pieces had."""
     cavities: int
     """Kept pieces that are hollows inside another."""
+    pieces_united: int
+    """Pieces that made one surface because they overlap, or one that cut through itself; 0 where none did."""
     watertight_before: bool
     watertight: bool
     volume_before: float | None
@@ -74,9 +83,11 @@ class RepairReport:
             self.holes
             or self.non_manifold_edges
             or self.degenerate_faces
+            or self.seams
             or self.inconsistent_winding
             or self.inverted_components
             or self.components_dropped
+            or self.pieces_united
             or not self.watertight_before
         )
 
@@ -93,6 +104,7 @@ class RepairReport:
                 said.append(text.format(n=count, s=one if count == 1 else many))
 
         say(self.degenerate_faces, "removed {n} degenerate or repeated face{s}")
+        say(self.seams, "joined {n} vert{s} across seams", one="ex", many="ices")
         say(self.non_manifold_edges, "removed {n} non-manifold edge{s}")
         say(self.holes, "closed {n} hole{s}")
         if self.inconsistent_winding:
@@ -105,6 +117,10 @@ class RepairReport:
                 f"{100 * self.area_dropped:.2g} % of the area"
             )
         say(self.cavities, "kept {n} cavit{s}", one="y", many="ies")
+        if self.pieces_united == 1:
+            said.append("cut the surface where it goes through itself, and kept what is outside")
+        elif self.pieces_united:
+            said.append(f"united {self.pieces_united} pieces, which overlap")
         if self.changed and self.area_before > 0 and abs(self.area / self.area_before - 1) > 0.01:
             said.append(f"the area changed by {100 * (self.area / self.area_before - 1):+.1f} %")
         say(self.self_intersecting_faces, "{n} face{s} still cut through others")
@@ -116,20 +132,24 @@ class RepairReport:
         return said
 
 
-def repair(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, RepairReport]:
+def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[trimesh.Trimesh, RepairReport]:
     """A watertight mesh with outward faces, and what had to be done.
 
     A mesh that is closed already keeps its faces; pieces that are inside out are turned. An open one is cut
     into its edge-connected pieces, each is closed by MeshFix (Attene 2010, "A lightweight approach to
-    repairing digitized polygon meshes"), and every piece that encloses a volume is kept.
+    repairing digitized polygon meshes"), and every piece that encloses a volume is kept. Pieces that overlap are
+    united.
 
-    Raises `Refused` for vertices that are not finite, indices out of range, no faces, a mesh that can
-    not be closed without losing half of its surface, or one without volume.
+    With `close` "holes" a surface that is open as a bowl is none of a solid; with "all" it is closed over its mouth.
+
+    Raises `Refused` for vertices that are not finite, indices out of range, no faces, a mesh that is open, one without
+    volume, or one that can not be closed without changing more than a twentieth of its surface.
     """
-    mesh, degenerate = cleaned(mesh, name=name)
+    mesh, removed = cleaned(mesh, name=name)
     before = Topology.of(mesh)
     pieces, number = components(mesh)
-    kept = [(piece, closed) for piece in pieces for closed in _close(piece)]
+    lids = range(len(pieces)) if close == "all" else _buried(mesh, pieces, name)
+    kept = [(piece, part) for index, piece in enumerate(pieces) for part in closed_pieces(piece, lids=index in lids)]
     volumes = [abs(signed_volume(closed)) for _, closed in kept]
     largest = max(volumes, default=0.0)
     solid = [
@@ -140,7 +160,8 @@ def repair(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, Repair
     if not solid:
         raise Refused(f"mesh {name!r} {_why_not_closed(mesh, before)}", remedy=_REMEDY)
     outward, inverted, cavities, redundant = _oriented(solid)
-    result = joined(outward)
+    apart = joined(outward)
+    result = united(apart)
     after = Topology.of(result)
     volume = signed_volume(result)
     if not (after.watertight and after.consistent and 0 < volume < np.inf):
@@ -148,23 +169,21 @@ def repair(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, Repair
     by_identity = {id(source): source for index, (source, _) in enumerate(solid) if index not in redundant}
     sources = list(by_identity.values())
     area_before = surface_area(mesh)
-    nested = sum(surface_area(solid[index][0]) for index in redundant)
-    left = surface_area(result) / (area_before - nested)
-    if left < _LEAST_AREA:
-        raise Refused(f"repair would leave only {100 * left:.0f} % of the surface of mesh {name!r}", remedy=_REMEDY)
     area_dropped = area_before - sum(surface_area(source) for source in sources)
-    return result, RepairReport(
+    report = RepairReport(
         name=name,
         vertices_before=before.vertices,
         vertices_after=after.vertices,
-        faces_before=before.faces + degenerate,
+        faces_before=before.faces + removed.faces,
         faces_after=after.faces,
         components_before=number,
-        components_after=len(outward),
+        components_after=components(result)[1],
+        pieces_united=0 if result is apart else len(outward),
         holes=sum(Topology.of(source).holes for source in sources),
         boundary_edges=before.boundary_edges,
         non_manifold_edges=before.non_manifold_edges,
-        degenerate_faces=degenerate,
+        degenerate_faces=removed.faces,
+        seams=removed.seams,
         self_intersecting_faces=_self_intersections(result),
         inconsistent_winding=not before.consistent,
         inverted_components=inverted,
@@ -180,12 +199,76 @@ def repair(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, Repair
         area=surface_area(result),
         bounds=tuple(tuple(float(value) for value in corner) for corner in result.bounds),
     )
+    if number > len(sources) or any(source is not closed for source, closed in solid):
+        _refuse_changes(mesh, result, report, lids=close == "all")
+    return result, report
 
 
 _REMEDY = (
-    "Give a mesh that encloses a volume: close its holes in a modelling program, or thicken a surface into a "
-    "solid; a surface without thickness can be a cloth sheet"
+    "Give a mesh that encloses a volume: close its holes in a modelling program, or give the shape a `thickness`, "
+    "which makes a shell of a surface; a surface without thickness can be a cloth sheet"
 )
+
+
+def _buried(mesh: trimesh.Trimesh, pieces: list[trimesh.Trimesh], name: str) -> set[int]:
+    """Which pieces are open as a vessel, but inside of others, as a limb that is put into a body; raises `Refused` for
+    those that are open outside."""
+    found = {index: rims for index, piece in enumerate(pieces) if (rims := mouths(piece, mesh))}
+    if not found:
+        return set()
+    solids = [part for index, piece in enumerate(pieces) if index not in found for part in closed_pieces(piece)]
+    rims = [rim for rims in found.values() for rim in rims if not any(within(rim, solid) for solid in solids)]
+    if not rims:
+        return set(found)
+    share = 100 * sum(rim.lid for rim in rims) / surface_area(mesh)
+    extent = float(np.ptp(mesh.vertices, axis=0).max())
+    many = "an opening" if len(rims) == 1 else f"{len(rims)} openings, the widest"
+    lids = with_lids(mesh).triangles[len(mesh.faces) :]
+    raise Refused(
+        f"the surface of mesh {name!r} is open: it has {many} {max(rim.width for rim in rims):.3g} wide, where the "
+        f"mesh is {extent:.3g} long. Closing that would add {share:.2g} % to its area, and fill it"
+        f"{_pictured(name, mesh.triangles, lids, lids[:0])}",
+        remedy="Give the shape a `thickness`, as `thickness: 3 mm`, and it is a shell; or set `close: all`, and it is "
+        "closed and filled",
+    )
+
+
+def _refuse_changes(mesh: trimesh.Trimesh, result: trimesh.Trimesh, report: RepairReport, *, lids: bool) -> None:
+    """Refuse what repair made of a mesh where too much is another; what it added counts unless `lids` are wanted."""
+    from sim.geometry.changes import lost, missing
+
+    new, old = missing(result, mesh), lost(mesh, result)
+    added, gone = new.sum() / report.area_before, old.sum() / report.area_before
+    if max(0.0 if lids else added, gone) <= _MOST_CHANGED:
+        return
+    raise Refused(
+        f"mending mesh {report.name!r} would change more than {100 * _MOST_CHANGED:.0f} % of its surface: the area "
+        f"{report.area_before:.4g} would become {report.area:.4g}, {100 * added:.2g} % of it added to close "
+        f"{report.holes} hole{'' if report.holes == 1 else 's'}, {100 * gone:.2g} % taken away with "
+        f"{report.components_dropped} of {report.components_before} pieces that enclose no volume"
+        f"{_pictured(report.name, result.triangles[new <= 0], result.triangles[new > 0], mesh.triangles[old > 0])}",
+        remedy="Mend it in a modelling program: close its holes, delete what is no part of the solid; or give the "
+        "shape a `thickness`, which makes a shell of all its surface",
+    )
+
+
+def _pictured(name: str, kept: np.ndarray, added: np.ndarray, gone: np.ndarray) -> str:
+    """Where a picture of what mending would change is, as the end of a sentence; nothing where none can be written.
+
+    All are triangles, shape [n, 3, 3].
+    """
+    from sim.geometry import cache, changes
+
+    content = hashlib.sha256()
+    for triangles in (kept, added, gone):
+        content.update(np.ascontiguousarray(triangles).data)
+    image = cache.folder() / "pictures" / f"{Path(name).stem}-{content.hexdigest()[:12]}.png"
+    try:
+        if not image.exists():
+            changes.draw(kept, added, gone, image)
+    except OSError:
+        return ""
+    return f", as the picture {image} shows"
 
 
 def _why_not_closed(mesh: trimesh.Trimesh, topology: Topology) -> str:
@@ -194,34 +277,6 @@ def _why_not_closed(mesh: trimesh.Trimesh, topology: Topology) -> str:
     if topology.watertight:
         return "encloses no volume"
     return f"can not be made watertight: {topology.boundary_edges} of its edges have a face on one side only"
-
-
-def _close(piece: trimesh.Trimesh) -> list[trimesh.Trimesh]:
-    """The closed pieces that MeshFix makes of one connected piece; none where it fails."""
-    topology = Topology.of(piece)
-    if topology.watertight and topology.consistent:
-        return [piece]
-    from pymeshfix import PyTMesh
-
-    fixer = PyTMesh()
-    fixer.set_quiet(1)
-    # MeshFix decides coincidence by absolute tolerances: let it see a mesh of about unit size at the origin.
-    centre, scale = piece.bounds.mean(axis=0), float(np.ptp(piece.bounds, axis=0).max())
-    fixer.load_array(
-        np.ascontiguousarray((piece.vertices - centre) / scale), np.ascontiguousarray(piece.faces, dtype=np.int32)
-    )
-    fixer.fill_small_boundaries(0, True)
-    fixer.clean(10, 3)
-    vertices, faces = fixer.return_arrays()
-    if len(faces) == 0:
-        return []
-    mended = trimesh.Trimesh(vertices * scale + centre, faces, process=False)
-    closed = []
-    for part in components(mended)[0]:
-        topology = Topology.of(part)
-        if topology.watertight and topology.consistent:
-            closed.append(part)
-    return closed
 
 
 def _oriented(

@@ -22,7 +22,19 @@ from sim.geometry.solids import (
     TorusSolid,
     vertex_colors,
 )
-from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
+from sim.geometry.spec import (
+    Box,
+    Capsule,
+    ClosedMesh,
+    Cylinder,
+    MeshFile,
+    MeshSurface,
+    Placement,
+    Plane,
+    Sheet,
+    Sphere,
+    Torus,
+)
 from sim.settings import Refused
 
 if TYPE_CHECKING:
@@ -53,7 +65,7 @@ def place(shape, placement: Placement, folder: Path) -> Solid:
     match shape:
         case Plane():
             return PlaneSolid(pose, shape.normal)
-        case MeshFile():
+        case ClosedMesh():
             try:
                 mesh, report = load_mesh(shape, assets.resolve(shape.file, folder))
             except Refused as refused:
@@ -116,23 +128,25 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
     raise TypeError(f"no triangles for the shape {type(shape).__name__}")
 
 
-def load_mesh(shape: MeshFile, path: Path, *, closed: bool = True) -> tuple[trimesh.Trimesh, RepairReport | None]:
+def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[trimesh.Trimesh, RepairReport | None]:
     """The mesh of a file, y up, at its size [m] and with its anchor at the origin, and what was mended.
 
-    With `closed` the mesh is made watertight, or refused unless it already is where `repair` is off; without, as
-    for cloth, it is only cleaned of equal vertices and faces without area.
+    With `closed` it is the shell of the shape's thickness, if it has one; else it is made watertight, or refused unless
+    it already is where `repair` is off. Without, as for cloth, it is only cleaned of equal vertices and faces without
+    area.
 
     Raises `Refused` for a file that can not be read as triangles or whose mesh can not be used.
     """
+    from sim.geometry.formats import read
     from sim.geometry.topology import Topology, cleaned, signed_volume
 
-    file, report = _read(path), None
-    if not closed:
-        mesh, _ = cleaned(file, name=path.name)
-    elif shape.repair:
-        mesh, report = _repaired(file, path.name)
+    file, report = read(path), None
+    shell = closed and isinstance(shape, MeshFile) and shape.thickness is not None
+    if closed and shape.repair and not shell:
+        mesh, report = _repaired(file, path.name, shape.close)
     else:
         mesh, _ = cleaned(file, name=path.name)
+    if closed and not shape.repair and not shell:
         topology = Topology.of(mesh)
         if not (topology.watertight and topology.consistent and signed_volume(mesh) > 0):
             raise Refused(
@@ -140,22 +154,33 @@ def load_mesh(shape: MeshFile, path: Path, *, closed: bool = True) -> tuple[trim
                 f"{topology.non_manifold_edges} non-manifold edges)",
                 remedy="Set repair: true",
             )
-    return _painted(_oriented(mesh, shape), mesh, file), report
+    extent = float(np.ptp(mesh.vertices, axis=0).max())
+    mesh = _scaled(mesh, shape, extent)
+    if shell:
+        mesh = _shell(mesh, shape.thickness, path.name)
+    return _painted(_anchored(mesh, shape.anchor), mesh, _scaled(file, shape, extent)), report
 
 
-def _oriented(mesh: trimesh.Trimesh, shape: MeshFile) -> trimesh.Trimesh:
+def _scaled(mesh: trimesh.Trimesh, shape: MeshSurface, extent: float) -> trimesh.Trimesh:
+    """A mesh of a file, `extent` long, y up and at its size [m]."""
     import trimesh
 
     vertices = mesh.vertices @ _TO_Y_UP[shape.up].T
     if shape.size is not None:
-        vertices = vertices * (shape.size / np.ptp(vertices, axis=0).max())
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    anchor = {
+        vertices = vertices * (shape.size / extent)
+    return trimesh.Trimesh(vertices, mesh.faces, vertex_colors=vertex_colors(mesh), process=False, validate=False)
+
+
+def _anchored(mesh: trimesh.Trimesh, anchor: str) -> trimesh.Trimesh:
+    import trimesh
+
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    at = {
         "origin": np.zeros(3),
         "center": (low + high) / 2,
         "base": np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2]),
-    }[shape.anchor]
-    return trimesh.Trimesh(vertices - anchor, mesh.faces, process=False)
+    }[anchor]
+    return trimesh.Trimesh(mesh.vertices - at, mesh.faces, process=False)
 
 
 def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trimesh) -> trimesh.Trimesh:
@@ -169,43 +194,66 @@ def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trime
     return result
 
 
-def _read(path: Path) -> trimesh.Trimesh:
+def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Trimesh, RepairReport]:
     import trimesh
 
-    try:
-        loaded = trimesh.load(path, force="mesh", process=False)
-        vertices, faces = np.asarray(loaded.vertices), np.asarray(loaded.faces)
-        colors = vertex_colors(loaded)
-    except Exception as error:  # every format's reader raises errors of its own
-        formats = ", ".join(sorted(trimesh.available_formats() & {"glb", "obj", "off", "ply", "stl", "3mf", "gltf"}))
-        raise Refused(
-            f"{path.name!r} can not be read as a triangle mesh ({type(error).__name__}: {error})",
-            remedy=f"Give a file with triangles in one of the formats {formats}",
-        ) from error
-    return trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, validate=False)
-
-
-def _repaired(mesh: trimesh.Trimesh, name: str) -> tuple[trimesh.Trimesh, RepairReport]:
-    import trimesh
-
-    from sim.geometry import cache, repair, topology, winding
+    from sim.geometry import cache, repair
 
     def compute() -> cache.Arrays:
-        mended, report = repair.repair(mesh, name=name)
+        mended, report = repair.repair(mesh, name=name, close=close)
         text = np.frombuffer(json.dumps(report.as_dict()).encode(), dtype=np.uint8)
         return {"vertices": np.asarray(mended.vertices), "faces": np.asarray(mended.faces), "report": text}
 
     stored = cache.cached(
         "repair",
         compute,
-        arguments={"name": name},
+        arguments={"name": name, "close": close},
         arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
-        sources=[module.__file__ for module in (repair, topology, winding)],
+        sources=_mending_sources(),
         packages=("numpy", "scipy", "pymeshfix"),
     )
     fields = json.loads(stored["report"].tobytes())
     fields["bounds"] = tuple(map(tuple, fields["bounds"]))
     return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False), repair.RepairReport(**fields)
+
+
+def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimesh:
+    import trimesh
+
+    from sim.geometry import cache
+    from sim.geometry.shell import thickened
+    from sim.geometry.topology import Topology, signed_volume
+    from sim.geometry.union import united
+
+    def compute() -> cache.Arrays:
+        shell = thickened(mesh, thickness)
+        topology = Topology.of(shell)
+        least = 1e-9 * thickness * float(np.ptp(mesh.vertices, axis=0).max()) ** 2
+        if not (topology.watertight and topology.consistent and least < signed_volume(shell) < np.inf):
+            raise Refused(
+                f"no shell can be made of mesh {name!r}: its faces have no area, or lie in one another",
+                remedy="Delete such faces in a modelling program",
+            )
+        shell = united(shell)
+        return {"vertices": np.asarray(shell.vertices), "faces": np.asarray(shell.faces)}
+
+    stored = cache.cached(
+        "shell",
+        compute,
+        arguments={"thickness": thickness},
+        arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
+        sources=_mending_sources(),
+        packages=("numpy", "scipy", "pymeshfix"),
+    )
+    return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False)
+
+
+def _mending_sources() -> list[str]:
+    """The files on which a mended mesh depends."""
+    from sim.geometry import changes, closing, distance, openings, overlap, repair, shell, topology, union, winding
+
+    modules = (changes, closing, distance, openings, overlap, repair, shell, topology, union, winding)
+    return [module.__file__ for module in modules]
 
 
 def _segments(angle: float, chord_error: float) -> int:

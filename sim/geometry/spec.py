@@ -80,8 +80,8 @@ class Sheet(Settings):
     """Edge lengths along x and z [m]."""
 
 
-class MeshFile(Settings):
-    """A triangle mesh in any format that trimesh reads."""
+class MeshSurface(Settings):
+    """The triangles of a file in one of the formats OBJ, STL, PLY, OFF, GLB and glTF."""
 
     type: Literal["mesh"]
     file: Annotated[str, Field(min_length=1)]
@@ -98,7 +98,29 @@ class MeshFile(Settings):
     """Mend holes, flipped faces and non-manifold edges; what was mended is reported."""
 
 
-class MeshFace(MeshFile):
+class ClosedMesh(MeshSurface):
+    """What the triangles of a file enclose."""
+
+    close: Literal["holes", "all"] = "holes"
+    """Which openings `repair` closes: `holes`, where a little of a solid's surface is missing; a surface that is open
+    as a bowl is refused. Or `all`: a bowl becomes a lump that is filled to its rim."""
+
+
+class MeshFile(ClosedMesh):
+    """What the triangles of a file enclose, or a shell of a thickness around them."""
+
+    thickness: PositiveLength | None = None
+    """Make a shell this thick of the surface [m], half of it on either side; it is open where the surface is. `scale`
+    scales it as well, `size` is that of the surface alone."""
+
+    @model_validator(mode="after")
+    def _open_or_closed(self) -> Self:
+        if self.thickness is not None and self.close == "all":
+            raise ValueError("a shell of a thickness stays open where the surface is: leave out thickness or close")
+        return self
+
+
+class MeshFace(MeshSurface):
     """A flat face of a mesh: a triangle with all that adjoin it in the same plane; outward is forward."""
 
     repair: Literal[False] = False
@@ -110,7 +132,7 @@ class MeshFace(MeshFile):
 
 ClosedShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | MeshFile, Field(discriminator="type")]
 AnyShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | Plane | Sheet | MeshFile, Field(discriminator="type")]
-ClothShape = Annotated[Sheet | MeshFile, Field(discriminator="type")]
+ClothShape = Annotated[Sheet | MeshSurface, Field(discriminator="type")]
 
 
 class Rotation(Settings):

@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 import trimesh
+from scipy.spatial import cKDTree
 
 from sim.groups import groups
 from sim.settings import Refused
@@ -35,7 +36,7 @@ class Topology:
     @classmethod
     def of(cls, mesh: trimesh.Trimesh) -> Self:
         used = len(np.unique(mesh.faces))
-        edges, first, faces_of = _edges(mesh.faces)
+        edges, first, faces_of = edges_of(mesh.faces)
         forward = np.bincount(faces_of, weights=first, minlength=len(edges))
         counts = np.bincount(faces_of, minlength=len(edges))
         boundary = edges[counts == 1]
@@ -49,8 +50,20 @@ class Topology:
         )
 
 
-def cleaned(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, int]:
-    """The mesh with equal vertices merged and faces without area or repeated removed, and how many faces went.
+@dataclass(frozen=True)
+class Cleaning:
+    """What `cleaned` did."""
+
+    faces: int
+    """Faces removed: without area, or that repeat another."""
+    seams: int
+    """Vertices joined with others that are almost where they are."""
+
+
+def cleaned(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, Cleaning]:
+    """The mesh with equal vertices merged, seams joined and faces without area or repeated removed, and what went.
+
+    A seam is where two open edges are less than `SEAM` of the mesh's size apart: files round their numbers.
 
     Raises `Refused` for vertices that are not finite, indices out of range, or no faces.
     """
@@ -80,18 +93,45 @@ def cleaned(mesh: trimesh.Trimesh, *, name: str) -> tuple[trimesh.Trimesh, int]:
     vertices, inverse = np.unique(vertices[used], axis=0, return_inverse=True)
     lookup = np.full(used.max() + 1, -1, dtype=np.int64)
     lookup[used] = inverse.reshape(-1)
-    merged = lookup[faces]
-    corners = np.sort(merged, axis=1)
+    kept = _sound(lookup[faces])
+    target = _across_seams(vertices, kept)
+    kept = _sound(target[kept])
+    if len(kept) == 0:
+        raise Refused(f"mesh {name!r} has no face with an area", remedy="Give a mesh that encloses a volume")
+    done = Cleaning(len(faces) - len(kept), int((target != np.arange(len(target))).sum()))
+    return _submesh(trimesh.Trimesh(vertices, kept, process=False), np.arange(len(kept))), done
+
+
+def _sound(faces: np.ndarray) -> np.ndarray:
+    """The faces with three corners, the first of those that have the same."""
+    corners = np.sort(faces, axis=1)
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
     _, first = np.unique(corners, axis=0, return_index=True)
     unique = np.zeros(len(faces), dtype=bool)
     unique[first] = True
-    keep = distinct & unique
-    if not keep.any():
-        raise Refused(f"mesh {name!r} has no face with an area", remedy="Give a mesh that encloses a volume")
-    return trimesh.Trimesh(vertices, merged[keep], process=False), int((~keep).sum())
+    return faces[distinct & unique]
 
 
+def _across_seams(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """For every vertex the one that takes its place, shape [n]: itself but on open edges within `SEAM` of another."""
+    target = np.arange(len(vertices))
+    edges, _, edge_of = edges_of(faces)
+    rim = np.unique(edges[np.bincount(edge_of, minlength=len(edges)) == 1])
+    if len(rim) == 0:
+        return target
+    reach = SEAM * float(np.ptp(vertices, axis=0).max())
+    distance, near = cKDTree(vertices[rim]).query(vertices[rim], k=min(_COPIES, len(rim)), distance_upper_bound=reach)
+    one, place = np.nonzero(np.isfinite(distance))
+    _, label = groups(one, near[one, place], len(rim))
+    _, first = np.unique(label, return_index=True)
+    target[rim] = rim[first[label]]
+    return target
+
+
+# Numbers in single precision and those of six decimals are rounded by about this share of the largest.
+SEAM = 1e-6
+# Copies of a vertex that are looked for around one of them.
+_COPIES = 16
 # Moments of inertia are fifth powers of a length and must stay below 1e308.
 _LARGEST_COORDINATE = 1e50
 # The fewest faces that enclose a volume: a tetrahedron.
@@ -103,7 +143,7 @@ def components(mesh: trimesh.Trimesh) -> tuple[list[trimesh.Trimesh], int]:
 
     Pieces of less than `FEWEST_FACES` faces are counted only.
     """
-    edges, _, edge_of = _edges(mesh.faces)
+    edges, _, edge_of = edges_of(mesh.faces)
     face_of = np.arange(len(edge_of)) // 3
     order = np.argsort(edge_of, kind="stable")
     counts = np.bincount(edge_of, minlength=len(edges))
@@ -147,7 +187,7 @@ def surface_area(mesh: trimesh.Trimesh) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def _edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def edges_of(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Undirected edges, and for the three edges of every face whether it ascends and which edge it is."""
     directed = np.asarray(faces, dtype=np.int64)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     size = int(directed.max(initial=0)) + 1

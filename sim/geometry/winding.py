@@ -9,6 +9,8 @@ evaluated from its lower to its higher vertex, so that two triangles always agre
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import trimesh
 
@@ -73,14 +75,25 @@ class WindingNumber:
 
     def counted_wrongly(self, columns: np.ndarray) -> np.ndarray:
         """Length [m] of vertical lines at `columns` [m], shape [n, 2], where the winding number is neither 0 nor 1."""
+        return self._length_where(columns, lambda number: (number != 0) & (number != 1))
+
+    def length_within(self, columns: np.ndarray) -> np.ndarray:
+        """Length [m] of vertical lines at `columns` [m], shape [n, 2], where the winding number is positive."""
+        return self._length_where(columns, lambda number: number > 0)
+
+    def length_inside_out(self, columns: np.ndarray) -> np.ndarray:
+        """Length [m] of vertical lines at `columns` [m], shape [n, 2], where the winding number is negative."""
+        return self._length_where(columns, lambda number: number < 0)
+
+    def _length_where(self, columns: np.ndarray, counts: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         length = np.zeros(len(columns))
         for column, height, sign in self._crossings(columns):
             order = np.lexsort((height, column))
             column, height = column[order], height[order]
             # The number above a crossing; every column of a closed mesh ends with 0.
             number = -np.cumsum(sign[order])[:-1]
-            wrong = (column[1:] == column[:-1]) & (number != 0) & (number != 1)
-            np.add.at(length, column[:-1][wrong], np.diff(height)[wrong])
+            meant = (column[1:] == column[:-1]) & counts(number)
+            np.add.at(length, column[:-1][meant], np.diff(height)[meant])
         return length
 
     def _cell_of(self, flat: np.ndarray) -> np.ndarray:

@@ -22,15 +22,16 @@ NUMBERS = (b"nan", b"inf", b"-1", b"1e300", b"1e-320", b"0", b"99999999999", b"\
 
 @pytest.fixture
 def survives(tmp_path, monkeypatch, survived):
-    """Loads a file as a closed mesh and as one of cloth; anything but a sound mesh or Refused fails the test."""
+    """Loads a file as a closed mesh, a shell and one of cloth; anything but a sound mesh or Refused fails the test."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
     def check(content: bytes, kind: str) -> None:
         path = tmp_path / f"mesh.{kind}"
         path.write_bytes(content)
-        for closed in (True, False):
+        for closed, thickness in ((True, None), (True, 0.1), (False, None)):
             with survived(Refused):
-                mesh, _ = load_mesh(MeshFile(type="mesh", file=path.name, size=1.0), path, closed=closed)
+                shape = MeshFile(type="mesh", file=path.name, size=1.0, thickness=thickness)
+                mesh, _ = load_mesh(shape, path, closed=closed)
                 assert len(mesh.faces)
                 assert np.isfinite(mesh.vertices).all()
                 assert not closed or (mesh.is_watertight and mesh.volume > 0)

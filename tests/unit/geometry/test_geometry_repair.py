@@ -7,7 +7,9 @@ import trimesh
 from sim.geometry.repair import repair
 from sim.geometry.shapes import load_mesh
 from sim.geometry.spec import MeshFile
+from sim.geometry.topology import cleaned
 from sim.settings import Refused
+from tests.meshes import with_a_seam
 
 
 def closed_by_trimesh(mesh):
@@ -38,7 +40,7 @@ def test_sound_mesh_is_left_alone(cube):
 
 
 def test_missing_face_is_closed(cube):
-    mesh, report = repair(trimesh.Trimesh(cube.vertices, cube.faces[2:], process=False), name="cube")
+    mesh, report = repair(trimesh.Trimesh(cube.vertices, cube.faces[2:], process=False), name="cube", close="all")
     assert closed_by_trimesh(mesh)
     assert mesh.volume == pytest.approx(1)
     assert (report.holes, report.watertight_before, report.watertight) == (1, False, True)
@@ -69,6 +71,41 @@ def test_unmerged_triangles_are_joined(cube):
     assert not report.changed
 
 
+@pytest.mark.parametrize("width", [1e-12, 1e-8, 1e-7])
+def test_a_seam_is_joined(width):
+    """Vertices that are off by a share of the size change the volume by no more than that share of three."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    mesh = trimesh.Trimesh(*with_a_seam(ball.vertices, ball.faces, width), process=False)
+    mended, report = repair(mesh, name="ball")
+    assert closed_by_trimesh(mended)
+    assert len(mended.faces) == len(ball.faces)
+    assert mended.volume == pytest.approx(ball.volume, rel=6 * width, abs=0)
+    assert (report.holes, report.components_before, report.self_intersecting_faces) == (0, 1, 0)
+    assert report.seams > 0
+    assert any("across seams" in line for line in report.lines())
+
+
+def test_a_seam_in_the_single_precision_of_stl_is_joined(tmp_path):
+    """A file of triangles each of which is rounded by itself."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    corners = ball.triangles * (1 + np.random.default_rng(3).uniform(-1e-7, 1e-7, ball.triangles.shape))
+    path = tmp_path / "ball.stl"
+    trimesh.Trimesh(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3), process=False).export(path)
+    mesh, report = load_mesh(MeshFile(type="mesh", file="ball.stl"), path)
+    assert closed_by_trimesh(mesh)
+    assert (len(mesh.vertices), report.holes) == (len(ball.vertices), 0)
+    assert mesh.volume == pytest.approx(ball.volume, rel=1e-6)
+
+
+def test_a_gap_is_no_seam():
+    """A thousandth of the size is there on purpose, or a hole to mend."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    assert (
+        cleaned(trimesh.Trimesh(*with_a_seam(ball.vertices, ball.faces, 1e-3), process=False), name="ball")[1].seams
+        == 0
+    )
+
+
 def test_repeated_and_degenerate_faces_go(cube):
     faces = np.vstack([cube.faces, cube.faces[:1], [[0, 0, 1]]])
     mesh, report = repair(trimesh.Trimesh(cube.vertices, faces, process=False), name="cube")
@@ -80,16 +117,20 @@ def test_repeated_and_degenerate_faces_go(cube):
 def test_every_piece_with_a_volume_is_kept(two_cubes, opened):
     """MeshFix alone keeps the largest piece only; the smaller cube has 1/8 of the volume."""
     mesh = two_cubes([3, 0, 0], scale=0.5)
-    mended, report = repair(trimesh.Trimesh(mesh.vertices, mesh.faces[2 * opened :], process=False), name="two")
+    opened = trimesh.Trimesh(mesh.vertices, mesh.faces[2 * opened :], process=False)
+    mended, report = repair(opened, name="two", close="all")
     assert mended.volume == pytest.approx(1 + 0.5**3)
     assert report.components_after == 2
     assert report.components_dropped == 0
 
 
-def test_intersecting_pieces_are_reported(two_cubes):
-    _, report = repair(two_cubes([0.5, 0.4, 0.3]), name="two")
-    assert report.self_intersecting_faces > 0
-    assert any("still cut through others" in line for line in report.lines())
+def test_intersecting_pieces_are_united(two_cubes):
+    """They share 0.5 x 0.6 x 0.7."""
+    mended, report = repair(two_cubes([0.5, 0.4, 0.3]), name="two")
+    assert closed_by_trimesh(mended)
+    assert mended.volume == pytest.approx(2 - 0.5 * 0.6 * 0.7, rel=1e-12)
+    assert (report.self_intersecting_faces, report.pieces_united, report.components_after) == (0, 2, 1)
+    assert "united 2 pieces, which overlap" in report.lines()
 
 
 @pytest.mark.parametrize("whole_inverted", [False, True])
@@ -111,7 +152,7 @@ def test_piece_inside_another_adds_nothing(two_cubes):
 def test_repair_does_not_depend_on_size_or_place(cube):
     for scale, offset in ((1e-4, 0.0), (1e4, 0.0), (1.0, 1e4)):
         broken = trimesh.Trimesh(cube.vertices * scale + offset, cube.faces[2:], process=False)
-        mended, _ = repair(broken, name="cube")
+        mended, _ = repair(broken, name="cube", close="all")
         assert mended.volume == pytest.approx(scale**3, rel=1e-6)
 
 
@@ -157,7 +198,7 @@ def test_repair_that_loses_most_of_the_surface_is_refused(cube):
     mesh = trimesh.Trimesh(
         np.vstack([cube.vertices, 10 * vertices + [0, 5, 0]]), np.vstack([cube.faces, faces + 8]), process=False
     )
-    with pytest.raises(Refused, match="only 1 % of the surface"):
+    with pytest.raises(Refused, match="99 % taken away with 1 of 2 pieces"):
         repair(mesh, name="cube")
 
 

@@ -180,7 +180,7 @@ def test_bunny_stands_on_its_base():
             b"property float z\nend_header\n0 0 0\n",
             "(can not be read|no faces)",
         ),
-        ("a.xyzzy", b"1 2 3", "can not be read"),
+        ("a.xyzzy", b"1 2 3", "in no format that is read"),
         ("a.stl", b"solid x\nendsolid x\n", "(can not be read|no faces)"),
     ],
 )
