@@ -97,6 +97,14 @@ def move(
 
 
 @ti.kernel
+def turn(count: ti.i32, free: Integers, inverse_inertia: Matrices, motion: Motion):
+    """Angular velocities of free bodies from their momenta."""
+    for b in range(count):
+        if free[b] == 1:
+            motion.spin[b] = angular_velocity(motion.rotation[b], motion.momentum[b], inverse_inertia[b])
+
+
+@ti.kernel
 def shift(count: ti.i32, dt: ti.f64, free: Integers, parting_velocity: Vectors, parting_spin: Vectors, motion: Motion):
     """Move free bodies by velocities that they do not keep."""
     for b in range(count):

@@ -134,9 +134,7 @@ class RigidPart:
             if self.bodies[k].name in row:
                 for name in KEPT:
                     getattr(self, name)[k] = getattr(state, name)[row[self.bodies[k].name]]
-        turn = _matrices(self.rotation)
-        own = np.einsum("nji,nj->ni", turn, self.momentum)
-        self.spin = np.einsum("nij,njk,nk->ni", turn, self._inverse_inertia, own)
+        self.spin = np.zeros((self.count, 3))
         shared = {
             "position": self.position,
             "rotation": self.rotation,
@@ -144,6 +142,7 @@ class RigidPart:
             "inverse_inertia": np.zeros((self.count, 3, 3)),
         }
         self._motion = _motion(shared, self.velocity, self.spin, self.momentum)
+        self._turn()
         self._began = self.position.copy()
         """Where bodies were when contacts were found, before they moved [m]."""
         self._met = _motion(shared | {"position": self._began}, self.velocity, self.spin, self.momentum)
@@ -187,8 +186,11 @@ class RigidPart:
         free = self.free
         self.velocity[free] += impulse[free] / self.mass[free, None]
         self.momentum[free] += turning[free]
-        turned = self.motions()[free, :9].reshape(-1, 3, 3)
-        self.spin[free] = np.einsum("nij,nj->ni", self.mobility(turned, free), self.momentum[free])
+        self._turn()
+
+    def _turn(self) -> None:
+        """Find angular velocities, to the bit as a step leaves them: the next one depends on them."""
+        free_motion.turn(self.count, self._mobile, self._inverse_inertia, self._motion)
 
     def give_way(self, bodies: np.ndarray, impulse: np.ndarray, way: np.ndarray, turn: np.ndarray) -> None:
         """Take bodies further by ways [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that they got
