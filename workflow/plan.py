@@ -125,7 +125,7 @@ class Plan:
             frames=frames,
             spec=spec.canonical(),
             code=self._code("simulate", spec.materials()),
-            versions=versions("taichi", "numpy", *(("trimesh", "pymeshfix") if _files(spec) else ())),
+            versions=versions("taichi", "numpy", *(("trimesh", "pymeshfix", "manifold3d") if _files(spec) else ())),
             assets=_assets(self.scene.assets, _files(spec)),
             upstream=upstream,
         )

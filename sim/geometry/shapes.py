@@ -210,7 +210,7 @@ def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Tri
         arguments={"name": name, "close": close},
         arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
         sources=_mending_sources(),
-        packages=("numpy", "scipy", "pymeshfix"),
+        packages=("numpy", "scipy", "pymeshfix", "manifold3d"),
     )
     fields = json.loads(stored["report"].tobytes())
     fields["bounds"] = tuple(map(tuple, fields["bounds"]))
@@ -243,7 +243,7 @@ def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimes
         arguments={"thickness": thickness},
         arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
         sources=_mending_sources(),
-        packages=("numpy", "scipy", "pymeshfix"),
+        packages=("numpy", "scipy", "pymeshfix", "manifold3d"),
     )
     return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False)
 

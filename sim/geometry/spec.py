@@ -81,7 +81,7 @@ class Sheet(Settings):
 
 
 class MeshSurface(Settings):
-    """The triangles of a file in one of the formats OBJ, STL, PLY, OFF, GLB and glTF."""
+    """The triangles of a file in one of the formats OBJ, STL, PLY, OFF, GLB, glTF and 3MF."""
 
     type: Literal["mesh"]
     file: Annotated[str, Field(min_length=1)]
@@ -90,7 +90,7 @@ class MeshSurface(Settings):
     """Which axis of the file points up."""
     size: PositiveLength | None = None
     """Scale so that the longest edge of the bounding box has this length [m]; without it the
-    file's numbers are metres."""
+    file's numbers are metres, or in the unit that a 3MF names: millimetres, if none."""
     anchor: Literal["origin", "center", "base"] = "origin"
     """Which point of the mesh comes to lie on the position: the file's origin, the centre of
     its bounding box, or the middle of the bounding box's bottom face."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zipfile
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from sim.geometry.spec import MeshFile
 from sim.settings import Refused
 from tests.fuzz.mutations import broken_bytes, fuzzed
 
-FORMATS = ["obj", "ply", "stl", "off", "glb"]
+FORMATS = ["obj", "ply", "stl", "off", "glb", "3mf"]
 NUMBERS = (b"nan", b"inf", b"-1", b"1e300", b"1e-320", b"0", b"99999999999", b"\xff\xff\xff\x7f", b"\x00\x00\xc0\x7f")
 
 
@@ -50,6 +51,24 @@ def test_bytes(kind, survives):
     @given(broken_bytes(exported(kind), NUMBERS))
     def check(changed):
         survives(changed, kind)
+
+    check()
+
+
+def test_the_model_in_a_3mf(survives):
+    """What is broken before it is packed passes the checksums of the archive."""
+    name = "3D/3dmodel.model"
+
+    def packed(model: bytes) -> bytes:
+        content = io.BytesIO()
+        with zipfile.ZipFile(content, "w") as archive:
+            archive.writestr(name, model)
+        return content.getvalue()
+
+    @fuzzed(30)
+    @given(broken_bytes(zipfile.ZipFile(io.BytesIO(exported("3mf"))).read(name), NUMBERS))
+    def check(changed):
+        survives(packed(changed), "3mf")
 
     check()
 

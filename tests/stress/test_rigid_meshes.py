@@ -65,7 +65,6 @@ def test_a_mended_box_falls_and_comes_to_rest_at_half_its_height(tmp_path, name)
 @pytest.mark.outcome("A")
 @pytest.mark.parametrize("offset", [[0.1, 0.04, 0.06], [0.1, 0, 0]])
 def test_boxes_that_overlap_have_the_mass_of_both_less_what_they_share(tmp_path, offset):
-    """To rounding; where they have faces in one plane they are moved by 1e-7 of the size."""
     from sim.geometry.shapes import place
     from sim.geometry.spec import MeshFile, Placement
 
@@ -76,9 +75,9 @@ def test_boxes_that_overlap_have_the_mass_of_both_less_what_they_share(tmp_path,
     solid = place(MeshFile(type="mesh", file="two.off"), Placement(), tmp_path)
     shared = (a - offset[0]) * (b - offset[1]) * (c - offset[2])
     found = solid.mass_properties(DENSITY)
-    assert found.mass == pytest.approx(DENSITY * (2 * a * b * c - shared), rel=1e-6)
-    assert found.centre == pytest.approx(np.array(offset) / 2, abs=1e-6 * a)
-    assert solid.volume == pytest.approx(2 * a * b * c - shared, rel=1e-6)
+    assert found.mass == pytest.approx(DENSITY * (2 * a * b * c - shared), rel=1e-12)
+    assert found.centre == pytest.approx(np.array(offset) / 2, abs=1e-12 * a)
+    assert solid.volume == pytest.approx(2 * a * b * c - shared, rel=1e-12)
     assert "united 2 pieces, which overlap" in solid.report.lines()
 
 

@@ -123,7 +123,7 @@ def test_walls_thicker_than_what_is_between_them_meet():
     thickness = 1.2
     shell = united(thickened(tray((2, 1, 1)), thickness))
     assert sound(shell)
-    assert shell.volume == pytest.approx((2 + thickness) * (1 + thickness / 2) * (1 + thickness), rel=1e-6)
+    assert shell.volume == pytest.approx((2 + thickness) * (1 + thickness / 2) * (1 + thickness), rel=1e-12)
 
 
 def test_size_is_that_of_the_surface_and_scale_scales_the_thickness(tmp_path):
