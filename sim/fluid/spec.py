@@ -137,7 +137,7 @@ class Incompressible(Settings):
 
     @model_validator(mode="after")
     def _least_below_most(self) -> Self:
-        if self.min_iterations > self.max_iterations:
+        if "min_iterations" in self.model_fields_set and self.min_iterations > self.max_iterations:
             raise ValueError(
                 f"min_iterations ({self.min_iterations}) must be at most max_iterations ({self.max_iterations}): "
                 "lower the one, or raise the other"
