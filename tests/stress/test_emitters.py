@@ -254,7 +254,7 @@ def test_a_scene_without_them_knows_nothing_of_them(tmp_path):
     code = (
         "import json, sys; from sim.segment import main; "
         "status = main(json.loads(sys.argv[1])); "
-        "print([name for name in sys.modules if name.split('.')[-1] in "
+        "print([name for name in sys.modules if name.split('.')[0] == 'sim' and name.split('.')[-1] in "
         "('flow', 'streams', 'drains', 'emitters', 'outlets')]); sys.exit(status)"
     )
     arguments = ["--spec", json.dumps(pool()), "--folder", ".", "--frames", "0:1", "--out", "out", "--arch", "cpu"]
