@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from sim.double import vec3
 from sim.geometry.fields import PLANE
 from sim.movement import Movement
+from sim.overlaps import DEEP
 from sim.rigid import contact_solver, free_motion, gather, restitution
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
@@ -29,8 +30,6 @@ from sim.rigid.tables import ContactTables, integers, numbers, shapes
 STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "contacts_capped")
 """What is told of a step: how many contacts, sweeps over them, the velocity that the last of them changed most [m/s],
 the deepest overlap [m], and whether the sweeps ended at their cap."""
-DEEP = 0.01
-"""Overlap of two bodies over the smaller one's size that is not what contacts leave."""
 SKIN = 1e-3
 """Contacts are followed from this share of the smaller body's size on, beyond what bodies go in a step."""
 SLACK = 1e-4
