@@ -41,7 +41,7 @@ class Dfsph(Incompressible):
     ARRAYS: ClassVar[tuple[Declared, ...]] = (
         *projection.ARRAYS,
         *gradient_correction.ARRAYS,
-        Declared("pace", "vec4", "velocity without the way apart [m/s]", sorted=False, saved=False),
+        Incompressible.BEFORE,
     )
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Declared("pressed", "vec4", "way by pressure, and apart, in the last step [m]", saved=False),
@@ -106,30 +106,30 @@ class Dfsph(Incompressible):
         """One look; what is led through nozzles stays where it is. Returns the iterations."""
         system, particles = self.system, self.system.particles
         system.lead()
-        _keep(system.count, particles.velocity, particles.pace)
+        _keep(system.count, particles.velocity, particles.before)
         iterations = self.apart.solve(dt, tolerance, 1, most, warm=False, ahead=0.0, alone=True).iterations
         system.lead()
         if system.remembers:
-            _remember(system.count, dt, particles.velocity, particles.pace, particles.pressed)
-        _shift(system.count, dt, particles.position, particles.velocity, particles.pace)
+            _remember(system.count, dt, particles.velocity, particles.before, particles.pressed)
+        _shift(system.count, dt, particles.position, particles.velocity, particles.before)
         return iterations
 
 
 @ti.kernel
-def _keep(count: ti.i32, velocity: Vec4Array, pace: Vec4Array):
+def _keep(count: ti.i32, velocity: Vec4Array, before: Vec4Array):
     for i in range(count):
-        pace[i].xyz = velocity[i].xyz
+        before[i].xyz = velocity[i].xyz
 
 
 @ti.kernel
-def _remember(count: ti.i32, dt: real, velocity: Vec4Array, pace: Vec4Array, pressed: Vec4Array):
+def _remember(count: ti.i32, dt: real, velocity: Vec4Array, before: Vec4Array, pressed: Vec4Array):
     for i in range(count):
-        pressed[i].xyz += dt * (velocity[i].xyz - pace[i].xyz)
+        pressed[i].xyz += dt * (velocity[i].xyz - before[i].xyz)
 
 
 @ti.kernel
-def _shift(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, pace: Vec4Array):
+def _shift(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, before: Vec4Array):
     """Go the way apart that is in the velocities, and take it from these."""
     for i in range(count):
-        position[i].xyz += dt * (velocity[i].xyz - pace[i].xyz)
-        velocity[i].xyz = pace[i].xyz
+        position[i].xyz += dt * (velocity[i].xyz - before[i].xyz)
+        velocity[i].xyz = before[i].xyz

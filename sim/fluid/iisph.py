@@ -31,7 +31,7 @@ can not be pushed apart, and to try would heat it."""
 class Iisph(Incompressible):
     """Advances a FluidSystem."""
 
-    ARRAYS = projection.ARRAYS
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (*projection.ARRAYS, Incompressible.BEFORE)
     FINDS_FRICTION = True
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Declared("pressed", "vec4", "way by pressure in the last step [m]", saved=False),

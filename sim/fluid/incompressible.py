@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, Vec4Array, real
+from sim.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.limits import fall_limit, pressure_limit, way_limit
 from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
@@ -17,11 +17,16 @@ WORST = 0.1
 LAYERS = 25
 """Fluid that is deeper than so many layers of particles asks for smaller errors and more iterations."""
 
+FALLING = 0.5
+"""What other forces do, over gravity, from which on nothing is taken for falling; where there are none, all is."""
+
 
 class Incompressible:
     """Advances a FluidSystem: forces, pressures, motion. A solver says what it measures, and finds the pressures."""
 
+    BEFORE: ClassVar[Declared] = Declared("before", "vec4", "velocity before a step [m/s]", sorted=False, saved=False)
     ARRAYS: ClassVar[tuple[Declared, ...]]
+    """BEFORE, and what else the solver needs of particles."""
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]]
     """What is kept besides where there are samples of sheets, for the force on them."""
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
@@ -77,7 +82,8 @@ class Incompressible:
         self.examine(0.0)
 
     def advance(self, dt: float) -> dict[str, float]:
-        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it.
+        """One step of symplectic Euler; what was measured before it, at its positions, is measured anew after it. What
+        falls freely goes exactly as far as it should.
 
         Solids are where they will be after the step when pressures are found, which keep the fluid out of there.
         """
@@ -86,7 +92,7 @@ class Incompressible:
         if system.bodies:
             system.bodies.hear(self.momentum)
         system.lead()
-        kick(system.count, dt, particles.velocity, particles.acceleration)
+        _set_off(system.count, dt, particles.velocity, particles.acceleration, particles.before)
         if system.bodies:
             system.bodies.foresee(dt)
         system.boundary.move()
@@ -97,7 +103,7 @@ class Incompressible:
         if system.bodies:
             told |= system.bodies.settle(dt)
             system.boundary.move()
-        _move(system.count, dt, particles.position, particles.velocity)
+        _move(system.count, dt, vec3(*system.gravity), particles.position, particles.velocity, particles.before)
         _tell(told, self.part(dt))
         if system.bodies:
             system.bodies.hold_off(dt)
@@ -135,6 +141,24 @@ def kick(count: ti.i32, dt: real, velocity: Vec4Array, acceleration: Vec4Array):
 
 
 @ti.kernel
-def _move(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array):
+def _set_off(count: ti.i32, dt: real, velocity: Vec4Array, acceleration: Vec4Array, before: Vec4Array):
+    """Kick, and remember the velocities before."""
     for i in range(count):
-        position[i].xyz += dt * velocity[i].xyz
+        before[i].xyz = velocity[i].xyz
+        velocity[i].xyz += dt * acceleration[i].xyz
+
+
+@ti.kernel
+def _move(count: ti.i32, dt: real, gravity: vec3, position: Vec4Array, velocity: Vec4Array, before: Vec4Array):
+    """Go on with the new velocity; what falls goes with the mean of both as far as gravity made the difference.
+
+    With the mean, pressures would excite waves: symplectic Euler is stable since it takes the new velocity.
+    """
+    g2 = gravity.norm_sqr()
+    for i in range(count):
+        way = dt * velocity[i].xyz
+        if g2 > 0.0:
+            others = (velocity[i].xyz - before[i].xyz) / dt - gravity
+            falls = 1.0 - ti.sqrt(others.norm_sqr() / g2) / FALLING
+            way -= 0.5 * dt * dt * ti.max(falls, 0.0) * gravity
+        position[i].xyz += way

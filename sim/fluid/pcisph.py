@@ -35,6 +35,7 @@ class Pcisph(Incompressible):
     """Advances a FluidSystem."""
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Incompressible.BEFORE,
         Declared("push", "vec4", "acceleration by pressure [m/s^2]", sorted=False, saved=False),
         Declared(
             "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
