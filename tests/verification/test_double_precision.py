@@ -56,8 +56,8 @@ def state(out, frame):
 
 @pytest.mark.parametrize("solver", BY_SOLVER)
 def test_free_fall_to_double_rounding(tmp_path, solver):
-    """x = v0 t + g t^2 / 2. In every step coordinates and speeds below 4 are rounded a few times, each by half a unit in
-    the last place."""
+    """x = v0 t + g t^2 / 2. In every step coordinates and speeds below 4 are rounded a few times, by half a unit in the
+    last place each time."""
     g, v0, t, dt = np.array([0.3, -9.81, 0.0]), np.array([0.5, 2.0, -1.0]), 0.125, 2.0**-11
     cube = {"shape": {"type": "box", "size": [0.1] * 3}, "position": [0, 1.5, 0], "velocity": v0.tolist()}
     fluid = {"solver": solver, "particle_radius": 0.01, "bodies": {"cube": cube}}
