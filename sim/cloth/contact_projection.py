@@ -377,6 +377,13 @@ def remember(total: ti.i32, dt: ti.f64, p: Points, speed: Vectors, ahead: Vector
 
 
 @ti.kernel
+def shift(points: ti.i32, way: Vectors, p: Points):
+    """Move points by ways [m]."""
+    for i in range(points):
+        p.position[i] += way[i]
+
+
+@ti.kernel
 def put_back(total: ti.i32, p: Points, speed: Vectors, w: Way):
     for i in range(total):
         p.position[i] = w.start[i]

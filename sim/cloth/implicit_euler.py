@@ -120,6 +120,7 @@ class ImplicitEuler:
     def settle(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
+        back = self._fall_back(dt)
         held_back, stuck = collisions.hold_back(trial.start, trial.place)
         collisions.end()
         steps, iterations, capped = self._told.tolist()
@@ -134,7 +135,26 @@ class ImplicitEuler:
             int(self._newton.left > UNSOLVED),
         )
         newton_sums.finish(mesh.total, dt, mesh.points, trial)
+        if back is not None:
+            newton_sums.quicken(mesh.count, -dt, back, mesh.points)
         return dict(zip(self.STATISTICS, values, strict=True))
+
+    def _fall_back(self, dt: float) -> np.ndarray | None:
+        """Bring what falls back to where the mean of its velocities takes it, by these accelerations [m/s^2], shape
+        [points, 3]; None where nothing falls."""
+        if not self._adrift.any:
+            return None
+        mesh, trial, gravity = self.mesh, self.trial, np.array(self.gravity)
+        before, start, place = (
+            array.to_numpy()[: mesh.count] for array in (mesh.points.velocity, trial.start, trial.place)
+        )
+        share = self._adrift.falling(self.collisions.known, gravity, ((place - start) / dt - before) / dt)
+        if share is None:
+            return None
+        back = -0.5 * share * gravity
+        newton_sums.shift(mesh.count, dt, back, trial)
+        self.collisions.find(trial.start, trial.place, add=False)
+        return back
 
     def _part(self, dt: float) -> None:
         """Solve again and again until no contact is new, and none is sunk in."""

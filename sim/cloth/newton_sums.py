@@ -438,3 +438,10 @@ def finish(total: ti.i32, dt: ti.f64, p: Points, t: Trial):
     for i in range(total):
         p.velocity[i] = (t.place[i] - t.start[i]) / dt
         p.position[i] = t.place[i]
+
+
+@ti.kernel
+def quicken(points: ti.i32, dt: ti.f64, push: Vectors, p: Points):
+    """Change velocities by what an acceleration [m/s^2] does in a step."""
+    for i in range(points):
+        p.velocity[i] += dt * push[i]

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from sim.cloth import contact_projection
+from sim.cloth.adrift import Adrift
 from sim.cloth.collision import Collisions
 from sim.cloth.layout import Pace, Way
 from sim.cloth.mesh import ClothMesh
@@ -41,6 +42,7 @@ class SmallSteps:
         self.mesh = mesh
         self.gravity = vec3(*gravity)
         self.collisions = collisions
+        self._adrift = Adrift(mesh)
         self._rows = 2 * collisions.loose.count
         self.way = Way(
             start=vectors(np.zeros((mesh.total, 3))),
@@ -86,9 +88,21 @@ class SmallSteps:
             if rounds < ROUNDS:
                 contact_projection.put_back(mesh.total, points, self._speed, self.way)
                 contact_projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
+        self._fall_back(dt, number)
         held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
         collisions.end()
         return dict(zip(self.STATISTICS, (number, collisions.count, rounds, held_back, stuck), strict=True))
+
+    def _fall_back(self, dt: float, number: int) -> None:
+        """Bring what fell in so many small steps back to where the means of its velocities take it."""
+        if not self._adrift.any:
+            return
+        points, count, gravity = self.mesh.points, self.mesh.count, np.array(self.gravity)
+        before, after = (array.to_numpy()[:count] for array in (self._speed, points.velocity))
+        share = self._adrift.falling(self.collisions.known, gravity, (after - before) / dt)
+        if share is not None:
+            contact_projection.shift(count, -0.5 * share * gravity * dt * dt / number, points)
+            self.collisions.find(self.way.start, points.position, add=False)
 
     def keep_apart(self, dt: float, number: int, left: int) -> None:
         """Let contacts hold in one of so many small steps of dt [s]."""

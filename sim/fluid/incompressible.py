@@ -6,6 +6,7 @@ import numpy as np
 import taichi as ti
 
 from sim.arrays import Declared, Vec4Array, real, vec3
+from sim.falling import OTHERS
 from sim.fluid.limits import fall_limit, pressure_limit, way_limit
 from sim.fluid.mixing import Mixing
 from sim.fluid.momentum import Momentum
@@ -16,9 +17,6 @@ WORST = 0.1
 """No particle may be left compressed by more than this share, whatever the mean."""
 LAYERS = 25
 """Fluid that is deeper than so many layers of particles asks for smaller errors and more iterations."""
-
-FALLING = 0.5
-"""What other forces do, over gravity, from which on nothing is taken for falling; where there are none, all is."""
 
 
 class Incompressible:
@@ -159,6 +157,6 @@ def _move(count: ti.i32, dt: real, gravity: vec3, position: Vec4Array, velocity:
         way = dt * velocity[i].xyz
         if g2 > 0.0:
             others = (velocity[i].xyz - before[i].xyz) / dt - gravity
-            falls = 1.0 - ti.sqrt(others.norm_sqr() / g2) / FALLING
+            falls = 1.0 - ti.sqrt(others.norm_sqr() / g2) / OTHERS
             way -= 0.5 * dt * dt * ti.max(falls, 0.0) * gravity
         position[i].xyz += way

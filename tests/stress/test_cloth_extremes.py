@@ -68,19 +68,13 @@ def highest_energy(made, dt, steps, elastic=True):
     return max(found)
 
 
-def fall(made, dt, steps):
-    """How far points fall in so many steps of Euler's kind [m], each of them in equal parts."""
-    parts = {"ImplicitEuler": 1, "XPBD": 10}.get(type(made.integrator).__name__)
-    parts = parts or max(1, int(np.ceil(dt / made.integrator.stable)))
-    return G * (dt / parts) ** 2 * steps * parts * (steps * parts + 1) / 2
-
-
 def falls_right(made, dt, steps, swing):
     """A taut sheet in free fall: its middle falls as a stone, and nothing adds to its energy."""
     before, start, taut = energy(made), middle(made), made.measure().elastic_energy
     steps = affordable(made, dt, steps)
-    assert highest_energy(made, dt, steps) <= before + swing * taut
-    way = fall(made, dt, steps)
+    # What falls freely keeps its energy, but for the rounding of places, of whose differences speeds are made.
+    assert highest_energy(made, dt, steps) <= before * (1 + ROUNDING) + swing * taut
+    way = G * (dt * steps) ** 2 / 2
     # Positions are rounded to 1e-17 m in every step.
     assert np.abs(middle(made) - start + [0, way, 0]).max() < 1e-6 * way + 1e-14 * steps
     assert made.measure().stretch_max < 1.2
@@ -235,7 +229,7 @@ def test_one_triangle(tmp_path, integrator, dt, stiffness):
     highest = highest_energy(made, dt, steps, elastic=integrator != "xpbd")
     swing = solve_ivp(lambda _, y: [y[1], G / arm * np.cos(y[0])], (0, steps * dt), [0, 0], rtol=1e-9, atol=1e-15)
     drop = arm * np.sin(swing.y[0, -1])
-    # Euler's first step is one of a whole g dt.
+    # Euler's first step, of what is held, is one of a whole g dt.
     assert -places(made)[2, 1] == pytest.approx(drop, rel=0.02 + 1 / steps)
     assert highest <= before + 0.01 * made.mesh.mass[2] * G * drop
     assert np.linalg.norm(places(made)[2] - corners[:2].mean(axis=0)) == pytest.approx(arm, rel=1e-3)

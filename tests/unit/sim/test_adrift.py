@@ -59,3 +59,21 @@ def test_what_touches_a_plane_a_solid_or_held_cloth_is_left_alone(cloth, key):
     found = push(cloth, key)
     assert not found[:4].any()
     assert found[4:8] == pytest.approx(np.tile([0, 3 / WEIGHT, 0], (4, 1)))
+
+
+@pytest.mark.parametrize(("others", "share"), [(0.0, 1.0), (0.1, 0.8), (0.5, 0.0), (1.0, 0.0)])
+def test_what_falls_does_so_the_less_the_more_acts_on_it(cloth, others, share):
+    """Forces of `others`, over gravity; a towel that touches a plane falls no more than what is held."""
+    from sim.cloth.adrift import Adrift
+
+    gravity = np.array([0.0, -10.0, 0.0])
+    change = np.tile((1 - others) * gravity, (cloth.mesh.count, 1))
+    found = Adrift(cloth.mesh).falling(contacts((PLANE, 0, -1, -1, -1)), gravity, change)
+    expected = np.repeat([0.0, share, 0.0], 4)[:, None]
+    assert (np.zeros_like(expected) if found is None else found) == pytest.approx(expected)
+
+
+def test_nothing_falls_without_gravity(cloth):
+    from sim.cloth.adrift import Adrift
+
+    assert Adrift(cloth.mesh).falling(contacts(), np.zeros(3), np.zeros((cloth.mesh.count, 3))) is None
