@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from sim.fluid.part import FluidState
     from sim.rigid.body import RigidState
 
-FORMAT = 4
+FORMAT = 5
 UNREADABLE = (
     *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
     *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),
@@ -121,6 +121,7 @@ class Checkpoint:
             cloth = ClothState(dict(head.sheets), **_material(path, arrays, "cloth", ClothState()))
             points = {sum(cloth.sheets.values()), *map(len, (cloth.position, cloth.velocity, cloth.fluid_force))}
             _refuse_lengths(path, points)
+            _refuse_lengths(path, {len(cloth.past_position), len(cloth.past_velocity)})
             touches = (cloth.touch_key, cloth.touch_weight, cloth.touch_normal, cloth.touch_force)
             _refuse_lengths(path, set(map(len, touches)))
         clock, emission = Clock(**head.clock.model_dump()), head.emission.model_dump(exclude_unset=True)

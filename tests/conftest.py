@@ -15,6 +15,8 @@ from tests import rounding as variants
 ROUNDING = f"""run each test of verification, validation and stress that is chosen once for each of
 {", ".join(variants.VARIANTS)}, which stand for the rounding of another processor: starts displaced by 1e-6 of the
 spacing of particles, two threads, and sums in the order in which they are written; other tests are left out"""
+SLOWEST = 3600
+"""What a slow test may take [s]: a machine that does other things meanwhile should not decide."""
 _shared: list[Callable[[], None]] = []
 """What ends the fixtures that tests share under the present variant."""
 
@@ -40,6 +42,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         rest = [item for item in items if not _simulates(item.path)]
         config.hook.pytest_deselected(items=rest)
         items[:] = [item for item in items if item not in rest]
+    for item in items:
+        if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(SLOWEST))
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

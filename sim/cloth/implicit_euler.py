@@ -1,6 +1,8 @@
 """Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method.
 
 It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
+Where nothing touches, now and in the step before, backward differences of second order (`sim.cloth.past`) take only
+w^4 dt^4 / 4; across an impact they would throw back what it has stopped.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from sim.cloth.adrift import Adrift
 from sim.cloth.collision import Collisions
 from sim.cloth.mesh import ClothMesh
 from sim.cloth.newton import Newton
+from sim.cloth.past import Past
 from sim.cloth.place import put
 from sim.cloth.spec import Cloth
 from sim.cloth.tables import integers, numbers
@@ -60,6 +63,8 @@ class ImplicitEuler:
         self.gravity = vec3(*gravity)
         self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
         self.trial = self._newton.trial
+        self.past = Past(mesh.count)
+        self._start = mesh.points.position
         self._adrift = Adrift(mesh)
         self._solids = integers(np.arange(mesh.count, mesh.total))
         self._falls, self._rests = numbers(self._adrift.free), numbers(np.zeros(mesh.count))
@@ -75,16 +80,43 @@ class ImplicitEuler:
 
     def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
-        mesh, trial = self.mesh, self.trial
+        if load is None and self._foresee_alone(dt):
+            return
+        self._begin(dt, 1.0, 0.0, dt)
+        if load is not None:
+            newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
+        self.collisions.find(self._start, self.trial.place)
+        self._carry(self.collisions.loose.places)
+        self._told, self._rounds = np.zeros(3, int), 0
+        self._part(dt)
+
+    def _foresee_alone(self, dt: float) -> bool:
+        """The same to the second order of the step, if that is such that nothing touches; returns whether it is."""
+        if self.collisions.count or not self.past.serves(dt):
+            return False
+        self._begin(dt, *self.past.weights(dt))
+        self._told, self._rounds = self._newton.converge(self._since), 1
+        self._keep_momentum(self._since)
+        return not (self.collisions.count or self.collisions.find(self._start, self.trial.place, add=False))
+
+    def _begin(self, dt: float, now: float, ago: float, since: float) -> None:
+        """Begin a step of dt [s] with these weights of the present and of the step before, and the time [s] since its
+        start."""
+        mesh, trial, past = self.mesh, self.trial, self.past
+        self._since = since
         turning = newton_sums.begin(
             mesh.count,
             mesh.total,
             mesh.springs,
             mesh.hinges,
-            dt,
+            since,
             self.gravity,
             # What touches something is at rest more often than it falls.
             self._rests if self.collisions.count else self._falls,
+            now,
+            ago,
+            past.position,
+            past.velocity,
             mesh.points,
             mesh.strands,
             mesh.angles,
@@ -93,14 +125,8 @@ class ImplicitEuler:
         if turning:
             # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
             newton_sums.stay(mesh.count, mesh.points, trial)
-        if load is not None:
-            newton_sums.load_on(mesh.count, dt, mesh.points, load, trial)
-        self.collisions.begin(trial.start, dt)
+        self.collisions.begin(self._start, dt)
         self._carry(self.collisions.loose.moved())
-        self.collisions.find(trial.start, trial.place)
-        self._carry(self.collisions.loose.places)
-        self._told, self._rounds = np.zeros(3, int), 0
-        self._part(dt)
 
     def change(self, dt: float, load: ti.Ndarray) -> None:
         """Let forces on points [N] act besides those foreseen, and look where that takes them."""
@@ -121,7 +147,7 @@ class ImplicitEuler:
         """Take the step to where it was foreseen; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
         back = self._fall_back(dt)
-        held_back, stuck = collisions.hold_back(trial.start, trial.place)
+        held_back, stuck = collisions.hold_back(self._start, trial.place)
         collisions.end()
         steps, iterations, capped = self._told.tolist()
         values = (
@@ -134,7 +160,9 @@ class ImplicitEuler:
             stuck,
             int(self._newton.left > UNSOLVED),
         )
-        newton_sums.finish(mesh.total, dt, mesh.points, trial)
+        past = self.past
+        newton_sums.finish(mesh.count, mesh.total, dt, self._since, past.position, past.velocity, mesh.points, trial)
+        past.step = 0.0 if collisions.count or held_back else dt
         if back is not None:
             newton_sums.quicken(mesh.count, -dt, back, mesh.points)
         return dict(zip(self.STATISTICS, values, strict=True))
@@ -142,18 +170,19 @@ class ImplicitEuler:
     def _fall_back(self, dt: float) -> np.ndarray | None:
         """Bring what falls back to where the mean of its velocities takes it, by these accelerations [m/s^2], shape
         [points, 3]; None where nothing falls."""
-        if not self._adrift.any:
+        if not self._adrift.any or self._since < dt:
+            # Backward differences of second order do so by themselves.
             return None
         mesh, trial, gravity = self.mesh, self.trial, np.array(self.gravity)
         before, start, place = (
-            array.to_numpy()[: mesh.count] for array in (mesh.points.velocity, trial.start, trial.place)
+            array.to_numpy()[: mesh.count] for array in (mesh.points.velocity, self._start, trial.place)
         )
         share = self._adrift.falling(self.collisions.known, gravity, ((place - start) / dt - before) / dt)
         if share is None:
             return None
         back = -0.5 * share * gravity
         newton_sums.shift(mesh.count, dt, back, trial)
-        self.collisions.find(trial.start, trial.place, add=False)
+        self.collisions.find(self._start, trial.place, add=False)
         return back
 
     def _part(self, dt: float) -> None:
@@ -168,7 +197,7 @@ class ImplicitEuler:
             astray = collisions.astray(SUNK_BY_BODIES if collisions.borne > 0 else SUNK, trial.place)
             if astray:
                 collisions.learn()
-            if not (collisions.find(trial.start, trial.place, add=rounds < ROUNDS) or astray):
+            if not (collisions.find(self._start, trial.place, add=rounds < ROUNDS) or astray):
                 break
             self._carry(collisions.loose.places)
 

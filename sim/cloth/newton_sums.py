@@ -111,29 +111,37 @@ def begin(
     dt: ti.f64,
     gravity: vec3,
     falls: Numbers,
+    now: ti.f64,
+    ago: ti.f64,
+    place_before: Vectors,
+    velocity_before: Vectors,
     p: Points,
     s: Strands,
     a: Angles,
     t: Trial,
 ) -> ti.i32:
     """Remember the start, and try the positions of steady motion, or of a free fall for points that are said to do so
-    (1 or 0); held points, and those of solids after the cloth's, are in `place` already. Returns whether a spring would
-    turn by more than a right angle."""
+    (1 or 0); held points, and those of solids after the cloth's, are in `place` already. `now` and `ago`: weights of
+    what points do, and did a step before, in where they start (`sim.cloth.past`). Returns whether a spring would turn
+    by more than a right angle."""
     for i in range(total):
-        x = p.position[i]
+        x, v = p.position[i], p.velocity[i]
+        if i < points and ago > 0.0:
+            x = now * x - ago * place_before[i]
+            v = now * v - ago * velocity_before[i]
         t.start[i] = x
         if p.mobile[i]:
-            t.aim[i] = x + dt * (p.velocity[i] + dt * gravity)
-            t.place[i] = x + dt * (p.velocity[i] + falls[i] * dt * gravity)
+            t.aim[i] = x + dt * (v + dt * gravity)
+            t.place[i] = x + dt * (v + falls[i] * dt * gravity)
     turning = 0
     for k in range(springs):
         one, other = s.ends[2 * k], s.ends[2 * k + 1]
-        along, length = line(p.position[one], p.position[other])
+        along, length = line(t.start[one], t.start[other])
         t.length_before[k] = length
         if along.dot(t.place[one] - t.place[other]) < 0.0:
             ti.atomic_max(turning, 1)
     for k in range(hinges):
-        t.angle_before[k] = _hinge(k, a, p.position).angle
+        t.angle_before[k] = _hinge(k, a, t.start).angle
     return turning
 
 
@@ -433,10 +441,22 @@ def shift(points: ti.i32, dt: ti.f64, push: Vectors, t: Trial):
 
 
 @ti.kernel
-def finish(total: ti.i32, dt: ti.f64, p: Points, t: Trial):
-    """Take the places tried."""
+def finish(
+    points: ti.i32,
+    total: ti.i32,
+    dt: ti.f64,
+    since: ti.f64,
+    place_before: Vectors,
+    velocity_before: Vectors,
+    p: Points,
+    t: Trial,
+):
+    """Take the places tried, and remember the step; `since`: the time in which points came there from their start."""
     for i in range(total):
-        p.velocity[i] = (t.place[i] - t.start[i]) / dt
+        if i < points:
+            place_before[i] = p.position[i]
+            velocity_before[i] = p.velocity[i]
+        p.velocity[i] = (t.place[i] - t.start[i]) / ti.select(i < points, since, dt)
         p.position[i] = t.place[i]
 
 

@@ -100,6 +100,8 @@ class ClothPart:
             self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
         self._refuse_jumps(position, time)
         self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
+        if self.integrator.past and len(state.past_position) == self.mesh.count:
+            self.integrator.past.recall(state.past_position, state.past_velocity, state.past_step)
         self._meter = Meter(self.mesh, gravity)
         self.fluid_force = vectors(_fluid_force(sheets, state))
         """On points, in the last step [N]."""
@@ -184,6 +186,7 @@ class ClothPart:
             known.normal.copy(),
             np.column_stack([known.limit, known.press, known.grip]),
             self.fluid_force.to_numpy()[:count],
+            *(self.integrator.past.arrays() if self.integrator.past else ()),
         )
 
     def vertices(self, name: str) -> tuple[np.ndarray, np.ndarray]:

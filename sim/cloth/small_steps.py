@@ -38,6 +38,9 @@ class SmallSteps:
     """Small steps, contacts, how often they were made, points that could not go all their way, and pairs that solids
     push through."""
 
+    past = None
+    """They go by no step before."""
+
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, collisions: Collisions):
         self.mesh = mesh
         self.gravity = vec3(*gravity)

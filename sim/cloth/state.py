@@ -26,7 +26,15 @@ class ClothState:
     fluid_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """On points, in the last step [N]."""
 
+    past_position: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """Of points a step before [m], where integrators go by it."""
+    past_velocity: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    """[m/s]"""
+    past_step: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    """How long before that was [s], shape [1], or [0] where there is none."""
+
     def without_contacts(self) -> ClothState:
+        """Without the step before, too, which was one of other cloth."""
         return ClothState(self.sheets, self.position, self.velocity, fluid_force=self.fluid_force)
 
     def of(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
