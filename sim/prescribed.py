@@ -84,6 +84,10 @@ class Prescribed:
         later = bisect.bisect_right(self._starts, time + TIME_TOLERANCE)
         return self._starts[later] if later < len(self._starts) else math.inf
 
+    def jumps(self, time: float) -> bool:
+        """Whether velocities change at `time` [s]."""
+        return self.next_keyframe(time - 2 * TIME_TOLERANCE) <= time + TIME_TOLERANCE
+
     def fastest(self, reach: float) -> float:
         """The greatest speed [m/s] at any time within `reach` [m] of the body's own origin."""
         return max(piece.speed_within(reach) for piece in self._pieces)

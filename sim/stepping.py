@@ -302,6 +302,7 @@ class Run:
             spec = apply(spec, event, self.spec.events.index(event))
         state = self.world.fluid.state() if self.world.fluid else None
         emission, names = self._emission(), self._body_names()
+        self.world.release(spec)
         # Contacts are numbered by the bodies there are, which may change.
         rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
         cloth = self.world.cloth.state().without_contacts() if self.world.cloth else None

@@ -357,6 +357,8 @@ class World:
     def advance(self, dt: float, until: float) -> dict[str, float]:
         """Step all materials by dt [s] to the time `until` [s]; returns what the solvers tell of the step."""
         prescribed = self.obstacles.prescribed if self.rigid else {}
+        if self.rigid:
+            self.rigid.release([index for index, item in prescribed.items() if item.motion.jumps(self.time)])
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
         told = {}
@@ -378,6 +380,15 @@ class World:
             self._follow()
         self.time = until
         return told
+
+    def release(self, after: SimulationSpec) -> None:
+        """Let go of bodies that touch what `after`, from now on, has otherwise or no longer."""
+        if self.rigid:
+            before, later = (
+                {**(spec.rigid.bodies if spec.rigid else {}), **spec.containers} for spec in (self.spec, after)
+            )
+            changed = {name for name, item in before.items() if later.get(name) != item}
+            self.rigid.release([index for index, body in enumerate(self.rigid.bodies) if body.name in changed])
 
     def _push(self, dt: float, until: float) -> None:
         """Let the cloth push dynamic bodies."""

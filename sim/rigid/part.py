@@ -8,7 +8,7 @@ gaining speed (gather).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -23,6 +23,7 @@ from sim.rigid.broad_phase import near_pairs, near_planes
 from sim.rigid.limits import step_limits
 from sim.rigid.narrow_phase import find_contacts
 from sim.rigid.pulls import pulled
+from sim.rigid.release import borne_by, wrenches
 from sim.rigid.spec import Rigid
 from sim.rigid.surfaces import Surfaces
 from sim.rigid.tables import ContactTables, integers, numbers, shapes
@@ -164,6 +165,22 @@ class RigidPart:
             self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
         self.land(movements)
         return self.told
+
+    def release(self, bodies: Collection[int]) -> None:
+        """Bring what touches one of `bodies`, or hangs together with what does, to the present, by the forces of the
+        last step: these change how they move, or go."""
+        pairs, place, force = self._known
+        chosen = borne_by(pairs, self.free, bodies) & (self.late > 0)
+        if not chosen.any():
+            return
+        arm = np.einsum("nij,nj->ni", _rotations(self.rotation[pairs[:, 0]]).as_matrix(), place)
+        pressing, turning = wrenches(pairs, arm, force, self.position)
+        late = self.late[chosen, None]
+        forces = self._force[chosen] + pressing[chosen]
+        self.velocity[chosen] += late * (self.gravity + forces / self.mass[chosen, None])
+        self.momentum[chosen] += late * (self._torque[chosen] + turning[chosen])
+        self.late[chosen] = 0.0
+        self._turn()
 
     def foresee(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
         """Where `advance` would take bodies, and how fast they would be: rows of `motions`."""

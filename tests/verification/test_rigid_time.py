@@ -94,6 +94,50 @@ def test_a_crate_on_a_ramp_that_tips_stays_where_it_is(simulate):
     assert above == pytest.approx(np.full(len(found), start[1]), abs=SLACK * 0.2)
 
 
+@pytest.mark.parametrize("dt", STEPS[::2])
+def test_what_is_put_on_a_conveyor_is_taken_along(simulate, dt):
+    """A crate slides up to the time V / (mu g) and then goes with the belt; a ball slides up to 2 V / (7 mu g), then
+    rolls on with 2/7 V. Both ends come within a step, in which friction is taken for even."""
+    friction, speed, time = 0.3, 1.5, np.arange(21) / 10
+    belt = {"shape": {"type": "box", "size": [12, 0.1, 0.6]}, "position": [3, -0.05, 0], "friction": friction}
+    crate = box((0.2, 0.1, 0.2), position=[0, 0.05, -0.15], friction=friction)
+    rolls = ball(0.05, position=[0, 0.05, 0.15], friction=friction)
+    bodies = {"belt": belt | {"motion": "prescribed", "velocity": [speed, 0, 0]}, "crate": crate, "ball": rolls}
+    out = simulate({"fps": 10, "rigid": {"bodies": bodies, "max_step": dt}}, 20)
+    for name, share in (("crate", 1.0), ("ball", 2 / 7)):
+        slides = share * speed / (friction * G)
+        way = np.where(time < slides, friction * G * time**2 / 2, share * speed * (time - slides / 2))
+        assert places(out, name)[:, 0] == pytest.approx(way, abs=friction * G * dt**2 / 4 + 1e-6)
+
+
+@pytest.mark.parametrize("dt", STEPS[::2])
+def test_what_stood_on_a_lift_that_stops_flies_on(simulate, dt):
+    """Upwards from the time at which the lift stops, with its speed: so do two crates, one on the other."""
+    speed, stops, time = 2.0, 0.5, np.arange(90) / 100
+    lift = {"shape": {"type": "box", "size": [1, 0.1, 1]}, "position": [0, -0.05, 0], "motion": "prescribed"}
+    lift["keyframes"] = [{"at": 0, "position": [0, -0.05, 0]}, {"at": stops, "position": [0, speed * stops - 0.05, 0]}]
+    crate = box((0.2, 0.1, 0.2), velocity=[0, speed, 0])
+    bodies = {"lift": lift} | {name: crate | {"position": [0, y, 0]} for name, y in (("low", 0.05), ("high", 0.15))}
+    out = simulate({"fps": 100, "rigid": {"bodies": bodies, "max_step": dt}}, len(time) - 1)
+    for name, start in (("low", 0.05), ("high", 0.15)):
+        expected = start + speed * time - G * np.maximum(time - stops, 0) ** 2 / 2
+        assert places(out, name)[:, 1] == pytest.approx(expected, abs=SLACK * 0.1)
+
+
+@pytest.mark.parametrize("dt", STEPS[::2])
+def test_what_lay_on_a_table_that_goes_falls_from_then_on(simulate, dt):
+    """By an event, two crates, one on the other."""
+    goes, time = 0.2, np.arange(50) / 100
+    crate = box((0.2, 0.1, 0.2))
+    bodies = {name: crate | {"position": [0, y, 0]} for name, y in (("low", 0.05), ("high", 0.15))}
+    bodies["table"] = {"shape": {"type": "box", "size": [1, 0.1, 1]}, "position": [0, -0.05, 0]}
+    scene = {"fps": 100, "rigid": {"bodies": bodies, "max_step": dt}, "events": [{"at": goes, "remove": ["table"]}]}
+    out = simulate(scene, len(time) - 1)
+    for name, start in (("low", 0.05), ("high", 0.15)):
+        expected = start - G * np.maximum(time - goes, 0) ** 2 / 2
+        assert places(out, name)[:, 1] == pytest.approx(expected, abs=SLACK * 0.1)
+
+
 def places(folder, name: str) -> np.ndarray:
     """Where a body is in each frame [m], shape [frames, 3]."""
     with (folder / "bodies.csv").open() as rows:
