@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     import trimesh
 
 ANY = (0.0, 1.0, 0.0, -1.0)
+ROUND = np.radians(15)
+"""A surface that turns by less at a place, but turns, is taken for round there: what it touches decides, within this
+angle, where it faces. A facet that comes down on a flat face would push against its slope before its corner lands."""
+_FLAT = np.radians(0.1)
+"""Below this angle it does not turn."""
 _NEEDLE = 1e-9
 """Height over the longest edge below which the direction of a triangle is rounding."""
 
@@ -40,6 +45,12 @@ def smooth(mesh: trimesh.Trimesh) -> np.ndarray:
     for side in range(2):
         np.minimum.at(found[:, 3], pairs[known, side], along[known])
     return found
+
+
+def rounded(cones: np.ndarray) -> np.ndarray:
+    """The same cones, but as wide as ROUND where the surface is round; shape [n, 4]."""
+    turns = (cones[:, 3] < np.cos(_FLAT)) & (cones[:, 3] > np.cos(ROUND))
+    return np.column_stack([cones[:, :3], np.where(turns, np.cos(ROUND), cones[:, 3])])
 
 
 def of_edges(mesh: trimesh.Trimesh, faces: np.ndarray) -> np.ndarray:

@@ -4,13 +4,11 @@ import taichi as ti
 
 from sim.double import Integers, Numbers, Vectors, vec3
 from sim.rigid.contact_solver import Contacts, Motion, relative_velocity
-from sim.rigid.manifold import MOST, Found
+from sim.rigid.manifold import CLOSED, MOST, Found
 from sim.rigid.rotation import beyond, rotation_of
 
 NEAR = 0.3
 """A contact goes on from the nearest of its pair in the step before, within this share of the smaller body."""
-CLOSED = 1e-5
-"""Gaps below this share of the smaller body are none: else bodies at rest would for ever close what rounding opens."""
 
 
 @ti.kernel
@@ -45,7 +43,9 @@ def gather(
             here, n = found.at[source], found.out[source]
             contacts.place[c], contacts.normal[c] = here, n
             gap[c] = found.apart[source]
-            contacts.limit[c] = -ti.max(found.apart[source] - CLOSED * size[k], 0.0) / dt - dt * found.bend[source]
+            contacts.limit[c] = -dt * found.bend[source]
+            if gap[c] > CLOSED * size[k]:
+                contacts.limit[c] -= (gap[c] - 0.5 * CLOSED * size[k]) / dt
             contacts.carried[c] = _carried(motion, a, b, here, n, dt)
             contacts.friction[c] = material[3 * k]
             contacts.grip[c] = material[3 * k + 1]

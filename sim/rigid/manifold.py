@@ -1,4 +1,5 @@
-"""The contacts of one pair of bodies while they are being found: few, well spread, the deepest always among them."""
+"""The contacts of one pair of bodies while they are being found: few, well spread, the deepest always among them, and
+the same ones from step to step while bodies rest."""
 
 import taichi as ti
 
@@ -10,6 +11,11 @@ FEW = 4
 """Of a pair of convex bodies: what a face needs to stand on."""
 SAME_PLACE = 0.01
 """Contacts nearer to one another than this share of the smaller body are one."""
+CLOSED = 1e-5
+"""Gaps that differ by less than this share of the smaller body are the same: else bodies at rest would for ever close
+what rounding opens, and rounding would choose anew in every step which contacts of two flat faces are kept."""
+NEARER = 0.999999
+"""Two contacts are more alike than two others where their squared difference is less than this share of theirs."""
 
 
 Found = ti.types.argpack(at=Vectors, out=Vectors, apart=Numbers, bend=Numbers)
@@ -50,20 +56,21 @@ def add(
     elif count < most:
         dropped, kept = count, count + 1
     else:
-        # Of the two that are most alike, the new one being the last, the shallower one goes.
+        # Of the two that are most alike, the new one being the last, the shallower one goes, or the later one.
         least = ti.cast(ti.math.inf, ti.f64)
+        deeper = CLOSED * size
         for i in range(count):
             near = _apart(place, normal, found.at[first + i], found.out[first + i], size)
-            if near < least:
+            if near < NEARER * least:
                 least = near
-                dropped = i if gap < found.apart[first + i] else count
+                dropped = i if gap < found.apart[first + i] - deeper else count
             for j in range(i):
                 near = _apart(
                     found.at[first + j], found.out[first + j], found.at[first + i], found.out[first + i], size
                 )
-                if near < least:
+                if near < NEARER * least:
                     least = near
-                    dropped = i if found.apart[first + j] < found.apart[first + i] else j
+                    dropped = j if found.apart[first + i] < found.apart[first + j] - deeper else i
     if dropped < kept:
         found.at[first + dropped], found.out[first + dropped] = place, normal
         found.apart[first + dropped], found.bend[first + dropped] = gap, bend

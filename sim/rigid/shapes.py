@@ -185,4 +185,4 @@ def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arr
     kept = thinning.first_come(points[len(hull) :], 0.7 * cell) + len(hull)
     kept = np.concatenate((np.arange(len(hull)), kept))
     values = np.where(inside, -away, away).astype(np.float32)
-    return {"values": values, "low": low, "points": points[kept], "cones": cones[kept]}
+    return {"values": values, "low": low, "points": points[kept], "cones": normal_cones.rounded(cones[kept])}
