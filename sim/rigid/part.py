@@ -170,9 +170,9 @@ class RigidPart:
         """Bring what touches one of `bodies`, or hangs together with what does, to the present, by the forces of the
         last step: these change how they move, or go."""
         pairs, place, force = self._known
-        chosen = borne_by(pairs, self.free, bodies) & (self.late > 0)
-        if not chosen.any():
+        if not len(bodies) or not len(pairs):
             return
+        chosen = borne_by(pairs, self.free, bodies) & (self.late > 0)
         arm = np.einsum("nij,nj->ni", _rotations(self.rotation[pairs[:, 0]]).as_matrix(), place)
         pressing, turning = wrenches(pairs, arm, force, self.position)
         late = self.late[chosen, None]
