@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Coroutine
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -36,6 +36,10 @@ class Orders:
             self._thread.submit(_carry_out, action, event)
 
         return asked
+
+    def finish(self, seconds: float) -> None:
+        """Wait for what was asked for until now, no longer than that [s]."""
+        wait([self._thread.submit(int)], seconds)
 
     def steer(self, event: viser.GuiEvent, action: Action) -> None:
         """Act at once, if the client steers; what no client asked for is no order."""

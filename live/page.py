@@ -31,6 +31,8 @@ LOOK = 0.004
 """Between two looks for somebody who is done with the last picture [s]."""
 REFRESH = 0.25
 """Between two refreshes of numbers and plots [s]."""
+HANDOVER = 10.0
+"""Longest wait for what is being done when somebody takes over [s]."""
 
 warnings.filterwarnings("ignore", message="Queued a .* on a closed connection", category=UserWarning)
 """Viewers may leave while a picture is on its way to them."""
@@ -136,9 +138,13 @@ class Page:
                 self.session.close()
 
     def _take_over(self, number: int) -> None:
+        """Let somebody else steer, when what was being done is done: it would come after what they do next."""
         with self._lock:
+            before = None if self._steers == number else self._viewers.get(self._steers)
             self._steers = number
             self._show_who_steers()
+        if before:
+            before.panel.orders.finish(HANDOVER)
 
     def _show_who_steers(self) -> None:
         for number, viewer in self._viewers.items():

@@ -118,6 +118,33 @@ def test_malformed_messages_close_their_sender_only(stage, page):
     still_works(stage, page)
 
 
+def test_what_is_being_done_is_done_before_somebody_takes_over(stage, monkeypatch):
+    happened = []
+
+    def asked(name: str) -> None:
+        happened.append(f"{name} begins")
+        time.sleep(0.5 if name == "step" else 0.0)
+        happened.append(f"{name} ends")
+
+    for name in ("play", "step"):
+        monkeypatch.setattr(stage.session, name, lambda name=name: asked(name))
+    page = Page(stage.session, host="127.0.0.1", port=0)
+    one = Viewer(page.port)
+    one.wait_for("Set fluid")
+    other = Viewer(page.port)
+    other.wait_for("Take over")
+    one.press("Next frame")
+    stage.until(lambda session: happened)
+    one.press("Next frame")
+    other.press("Take over")
+    other.press("Play")
+    stage.until(lambda session: "play ends" in happened)
+    assert happened == ["step begins", "step ends", "play begins", "play ends"]
+    one.close()
+    other.close()
+    page.close()
+
+
 def test_what_is_asked_for_fast_happens_in_order(stage, monkeypatch):
     happened = []
 
