@@ -42,6 +42,8 @@ class Adrift:
         if g == 0:
             return None
         system, alone = self._systems(contacts)
+        if not alone.any():
+            return None
         others = np.linalg.norm(self._mean(system, self._mass[:, None] * change) - gravity, axis=1, keepdims=True)
         share = np.where(alone, np.maximum(1.0 - others / (OTHERS * g), 0.0), 0.0)
         return share if share.any() else None
