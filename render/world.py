@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+from render import panorama
 from render.blender import bpy
-from render.errors import Unusable
 from render.nodes import Graph, rgba
 
 BACKDROP = 1.5
@@ -40,11 +40,7 @@ def _panorama(graph: Graph, settings: Any) -> Any:
 
 
 def _load(settings: Any) -> Any:
-    path = Path(settings.file) if settings.file else _studio_light(settings.light)
-    try:
-        return bpy.data.images.load(str(path.resolve()))
-    except RuntimeError as error:
-        raise Unusable(f"lights.environment: can not read the panorama {path}") from error
+    return panorama.load(Path(settings.file) if settings.file else _studio_light(settings.light))
 
 
 def _studio_light(name: str) -> Path:

@@ -88,7 +88,7 @@ def _add_device(command: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> int:
     from sim.preview import preview
     from workflow.document import SceneError
-    from workflow.foreseen import cautions
+    from workflow.foreseen import cautions, refuse_panorama
     from workflow.presets import QUALITIES
     from workflow.scene import combination_of, load
 
@@ -98,6 +98,7 @@ def _check(options: argparse.Namespace) -> int:
             scene = load(options.scene, quality=quality, overrides=options.set)
             try:
                 found = preview(scene.simulation, scene.folder)
+                refuse_panorama(scene)
             except Refused as refused:
                 raise scene.error(refused) from None
             print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {found.contents}")

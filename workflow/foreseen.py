@@ -1,18 +1,24 @@
-"""What is known of a film before it is made, and may not be what was meant: a camera in the water, changes that come
-after the end."""
+"""What is known of a film before it is made, and may not be what was meant, or can not be rendered: a camera in the
+water, changes that come after the end, a panorama that is no picture."""
 
 from __future__ import annotations
 
+import importlib.util
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from render.errors import Unusable
+from sim.geometry import assets
 from sim.names import resolve
 from sim.preview import Preview
-from sim.settings import Caution
+from sim.settings import Caution, Refused
 from workflow.scene import Scene
 
 
@@ -23,6 +29,21 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     blender = scene.render.blender
     if blender is not None and shutil.which(blender) is None:
         yield Caution(f"there is no Blender at {blender} on this machine", ("render", "blender"))
+
+
+def refuse_panorama(scene: Scene) -> None:
+    """Raise Refused for a panorama that Blender can not read. Without the package bpy, rendering tells."""
+    file = scene.render.lights.environment.file
+    if file is None or importlib.util.find_spec("bpy") is None:
+        return
+    if not _readable(assets.resolve(file, scene.folder)):
+        location, remedy = ("render", "lights", "environment", "file"), "save it as .hdr or .exr again"
+        raise Refused(f"Blender can not read '{file}'", location=location, remedy=remedy)
+
+
+def _readable(panorama: Path) -> bool:
+    command = [sys.executable, "-m", "render.panorama", str(panorama)]
+    return subprocess.run(command, capture_output=True, check=False).returncode != Unusable.exit_code
 
 
 def _after_the_end(scene: Scene) -> Iterator[Caution]:

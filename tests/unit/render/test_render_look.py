@@ -93,3 +93,15 @@ def test_a_stock_blender_opens_the_scene_with_all_that_is_in_it(wall, tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "TOLD 2 True True wall" in done.stdout, done.stdout
+
+
+def test_a_panorama_that_is_no_picture_is_refused(wall, tmp_path):
+    """Blender would show it in pink."""
+    (tmp_path / "sky.hdr").write_text("#?RADIANCE not really")
+    settings = TINY | {"lights": {"environment": {"file": str(tmp_path / "sky.hdr")}}}
+    command = [sys.executable, "-m", "render", "--spec", json.dumps(settings), "--frames", "0:0"]
+    command += ["--simulation", str(wall), "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2, done.stderr
+    assert "Blender can not read the panorama" in done.stderr
+    assert not list((tmp_path / "out").glob("*.png"))

@@ -156,6 +156,17 @@ def test_a_pin_of_a_sheet_that_an_event_brings_in(bench, scene):
     bench.refuses(scene(more=more), "events.0.add.cloth.towel.pins: a pin would take points 1 m elsewhere", at=more)
 
 
+def test_a_panorama_that_is_none(bench, scene):
+    """In the format of Ward's Radiance, 2 by 2 pixels of four bytes; cut off, and with nothing but its first line."""
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n"
+    light = "render: {lights: {environment: {file: sky.hdr}}}"
+    (bench.folder / "sky.hdr").write_bytes(head + bytes((128, 128, 128, 129)) * 4)
+    bench.accepts(scene(more=light))
+    for broken in (head + bytes((128, 128, 128, 129)), head[:11], b""):
+        (bench.folder / "sky.hdr").write_bytes(broken)
+        bench.refuses(scene(more=light), "render.lights.environment.file: Blender can not read 'sky.hdr'", at=light)
+
+
 TWO = "rigid: {bodies: {floor: {shape: {type: plane}}, ball: {shape: {type: sphere, radius: 0.2}, motion: dynamic, "
 REFUSED = {
     "step of sound": ("step: {fixed: 0.05}", "step.fixed: a fixed step of 0.05 s is beyond the stability limit"),
