@@ -130,6 +130,16 @@ def solve(count: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: 
     return vec2(ti.cast(sweeps, ti.f64), change)
 
 
+@ti.kernel
+def replace(count: ti.i32, motion: Motion, contacts: Contacts, push: Numbers, drag: Vectors):
+    """Take these impulses for the ones that there are."""
+    ti.loop_config(serialize=True)
+    for c in range(count):
+        more = (push[c] - contacts.push[c]) * contacts.normal[c] + drag[c] - contacts.drag[c]
+        contacts.push[c], contacts.drag[c] = push[c], drag[c]
+        strike(motion, contacts, c, more)
+
+
 @ti.func
 def _energy(count: ti.i32, contacts: ti.template()) -> ti.f64:
     """Square of what the last sweep added, weighted by mobility [J]."""

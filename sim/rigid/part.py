@@ -22,6 +22,7 @@ from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.broad_phase import near_pairs, near_planes
 from sim.rigid.limits import step_limits
 from sim.rigid.narrow_phase import find_contacts
+from sim.rigid.press import press
 from sim.rigid.pulls import pulled
 from sim.rigid.release import borne_by, wrenches
 from sim.rigid.spec import Rigid
@@ -142,6 +143,7 @@ class RigidPart:
             "inverse_inertia": np.zeros((self.count, 3, 3)),
         }
         self._motion = _motion(shared, self.velocity, self.spin, self.momentum)
+        self._moved = shared | {"velocity": self.velocity, "spin": self.spin}
         self._turn()
         self._began = self.position.copy()
         """Where bodies were when contacts were found, before they moved [m]."""
@@ -403,15 +405,8 @@ class RigidPart:
         return np.column_stack([np.searchsorted(before, now, side=side) for side in ("left", "right")])
 
     def _press(self) -> None:
-        contact_solver.weigh(self._contacts, self._motion, self._tables.pressed)
-        sweeps, change = contact_solver.solve(
-            self._contacts,
-            self.settings.max_iterations,
-            self.settings.contact_error,
-            self._motion,
-            self._tables.pressed,
-        )
-        self.told["contact_iterations"], self.told["contact_error"] = int(sweeps), float(change)
+        sweeps, change = press(self._contacts, self.settings, self.free, self._motion, self._moved, self._tables)
+        self.told["contact_iterations"], self.told["contact_error"] = sweeps, change
         self.told["contacts_capped"] = int(change > self.settings.contact_error)
 
     def _bounce(self, dt: float) -> None:

@@ -85,6 +85,10 @@ class ContactTables:
         own["carried"] = _rows(most)
         self.parting = Contacts(**(self.table | own))
 
+    def pressing(self, count: int) -> dict[str, np.ndarray]:
+        """The members of `pressed`, of the first `count` contacts."""
+        return {name: array[: 2 * count if name == "body" else count] for name, array in self.table.items()}
+
     @property
     def bytes(self) -> int:
         return sum(array.nbytes for array in self.table.values()) * 2
