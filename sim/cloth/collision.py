@@ -91,7 +91,9 @@ class Collisions:
         slide: np.ndarray,
         hold: np.ndarray,
         loose: LooseBodies,
+        made: np.ndarray,
     ):
+        """made: points of solids before anything moves [m], shape [n, 3]."""
         self.mesh = mesh
         self.loose = loose
         self.walls = walls
@@ -100,7 +102,7 @@ class Collisions:
         self.narrow = np.zeros((0, 4), np.int32)
         """Points of pairs that came too near in the last search."""
         cloth = Surface.of(mesh.triangles)
-        places = mesh.placed
+        places = np.concatenate([mesh.placed[: mesh.count], made])
         self._half = numbers(half)
         self._own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
         self._solid = (Tree(solids.triangles, places), Tree(solids.edges, places)) if solids else ()

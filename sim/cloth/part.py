@@ -125,6 +125,7 @@ class ClothPart:
             np.concatenate([slide, self.solids.slide]),
             np.concatenate([hold, self.solids.hold]),
             LooseBodies(self._owner(), own),
+            self.solids.made,
         )
 
     def _owner(self) -> np.ndarray:

@@ -14,7 +14,10 @@ class Solids:
     """Surfaces of solids as one mesh, and walls."""
 
     points: np.ndarray
-    """[m], shape [n, 3]."""
+    """Where they begin [m], shape [n, 3]."""
+    made: np.ndarray
+    """Where their shapes have them before anything moves [m], shape [n, 3]: what follows from that is the same to the
+    bit in a run that goes on from a state."""
     triangles: np.ndarray
     """Shape [t, 3]."""
     slide: np.ndarray
@@ -36,4 +39,6 @@ class Solids:
     @classmethod
     def none(cls) -> Solids:
         none = np.zeros(0)
-        return cls(np.zeros((0, 3)), np.zeros((0, 3), int), none, none, np.zeros(0, int), [], [], [], [], [])
+        return cls(
+            np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int), none, none, np.zeros(0, int), [], [], [], [], []
+        )

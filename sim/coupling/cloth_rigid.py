@@ -27,9 +27,10 @@ if TYPE_CHECKING:
 def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Solids:
     """Surfaces of all bodies and containers where they are at `time` [s], and all walls."""
     start, triangles, slide, hold = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
-    body = [np.zeros(0, int)]
+    body, made = [np.zeros(0, int)], [np.zeros((0, 3))]
     for index, item in enumerate(obstacles.placed):
         mesh = item.solid.mesh
+        made.append(mesh.vertices)
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
         grip = _surface(spec, item.name).grip
@@ -37,7 +38,7 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         hold.append(np.full(len(mesh.vertices), grip[1]))
         body.append(np.full(len(mesh.vertices), index))
     walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
-    parts = (np.concatenate(part) for part in (triangles, slide, hold, body))
+    parts = (np.concatenate(part) for part in (made, triangles, slide, hold, body))
     names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
     filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
     return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
