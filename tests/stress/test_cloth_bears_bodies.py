@@ -104,7 +104,8 @@ MAKES = {
 CASES = [
     pytest.param(
         name,
-        marks=[pytest.mark.xfail(reason=MAKES[name])] * (name in MAKES) + [pytest.mark.slow] * (name not in FAST),
+        marks=[pytest.mark.xfail(reason=MAKES.get(name, ""))] * (name in MAKES)
+        + [pytest.mark.slow] * (name not in FAST),
     )
     for name in SCENES
 ]
