@@ -32,7 +32,7 @@ def settle_at_once(
     axes = _axes(contacts["normal"])
     velocity = _relative(contacts, pair, axes, motion)
     chosen = np.flatnonzero((contacts["push"] > 0) | (velocity[:, 0] < NEAR * change))
-    if len(chosen) > MOST:
+    if not 0 < len(chosen) <= MOST:
         return None
     axes, slide = axes[chosen], contacts["friction"][chosen]
     mobility = _mobility(pair[chosen], contacts["place"][chosen], axes, motion, free)
