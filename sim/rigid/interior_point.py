@@ -44,7 +44,8 @@ def impulses(
     spots = np.arange(3 * count).reshape(count, 3)
     spots = np.repeat(spots, 3, axis=1).ravel(), np.tile(spots, (1, 3)).ravel()
     blocks = np.asarray(mobility[spots]).reshape(count, 3, 3)
-    mass = float(np.median(1 / blocks[:, 0, 0]))
+    along, across = 1 / blocks[:, 0, 0], 1 / np.linalg.eigvalsh(blocks[:, 1:, 1:])[:, 1]
+    mass = float(np.median(along))
     scale = np.ones((count, 3))
     scale[:, 0] = 1 / np.where(friction > 0, friction, 1.0)
     scale[friction <= 0, 1:] = 0.0
@@ -56,7 +57,8 @@ def impulses(
     with np.errstate(all="ignore"):
         for _ in range(ITERATIONS):
             found = mass * scale * x
-            off = _off(blocks, (mobility @ found.ravel()).reshape(count, 3) + velocity, friction, found)
+            left = (mobility @ found.ravel()).reshape(count, 3) + velocity
+            off = _off(along, across, left, friction, found)
             since += 1
             if off < nearest:
                 nearest, best, since = off, found, 0
@@ -71,10 +73,11 @@ def impulses(
     return best, nearest
 
 
-def _off(blocks: np.ndarray, velocity: np.ndarray, friction: np.ndarray, impulse: np.ndarray) -> float:
-    """The greatest change of a velocity that the laws of one contact alone would make [m/s], as a sweep has it."""
-    along = 1 / blocks[:, 0, 0]
-    across = 1 / np.linalg.eigvalsh(blocks[:, 1:, 1:])[:, 1]
+def _off(
+    along: np.ndarray, across: np.ndarray, velocity: np.ndarray, friction: np.ndarray, impulse: np.ndarray
+) -> float:
+    """The greatest change of a velocity that the laws of one contact alone would make [m/s], as a sweep has it, with
+    the effective masses along the normal and across [kg]."""
     push = np.maximum(impulse[:, 0] - along * velocity[:, 0], 0)
     drag = impulse[:, 1:] - across[:, None] * velocity[:, 1:]
     length = np.linalg.norm(drag, axis=1)

@@ -38,7 +38,7 @@ def press(
         before = change
         more, change = contact_solver.solve(count, min(BATCH, cap - sweeps), error, motion, contacts)
         sweeps += int(more)
-        if change > max(error, PROGRESS * before) and tries < TRIES:
+        if sweeps < cap and change > max(error, PROGRESS * before) and tries < TRIES:
             tries += 1
             found = settle_at_once(tables.pressing(count), arrays, free, change, error)
             if found is not None:
