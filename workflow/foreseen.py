@@ -19,11 +19,13 @@ from sim.geometry import assets
 from sim.names import resolve
 from sim.preview import Preview
 from sim.settings import Caution, Refused
+from workflow import idle
 from workflow.scene import Scene
 
 
 def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     """One for each thing that the film would not show, or not as it was meant."""
+    yield from idle.cautions(scene)
     yield from _after_the_end(scene)
     yield from _of_the_camera(scene, found)
     blender = scene.render.blender
