@@ -155,6 +155,7 @@ def _run(options: argparse.Namespace) -> int:
 def _simulate(options: argparse.Namespace) -> int:
     from sim.checkpoint import frame_of
     from sim.segment import simulate
+    from workflow import idle
     from workflow.document import SceneError
     from workflow.scene import load
 
@@ -163,6 +164,9 @@ def _simulate(options: argparse.Namespace) -> int:
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
+    if not options.quiet:
+        for caution in idle.cautions(scene):
+            print(scene.warning(caution), file=sys.stderr)
     first = frame_of(options.resume) + 1 if options.resume else 0
     first, last = options.frames or (first, scene.last_frame)
     try:

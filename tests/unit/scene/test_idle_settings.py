@@ -83,3 +83,12 @@ def test_what_an_event_brings_in(tmp_path):
 def test_check_names_the_line(bench, scene):
     said = bench.accepts(scene(more="surface: {cleanup: {enabled: false, decimate_barnacles: true}}"))
     assert "warning: line 17: surface.cleanup.decimate_barnacles: changes nothing: cleanup is off" in said
+
+
+def test_a_run_tells_as_it_begins(bench, scene, capsys):
+    from sim.__main__ import main
+
+    path = bench.write(scene(more="surface: {cleanup: {enabled: false, decimate_barnacles: true}}"))
+    command = ["run", str(path), "--out", str(path.parent / "out"), "--arch", "cpu", "--threads", "1"]
+    assert main([*command, "--frames", "0:0"]) == 0
+    assert "warning: line 17: surface.cleanup.decimate_barnacles" in capsys.readouterr().err
