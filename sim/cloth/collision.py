@@ -32,9 +32,9 @@ LEAST = 0.25
 NEAR = 1.2
 """Contacts are forgotten from this many thicknesses on."""
 SHARE = 0.2
-"""Of what the thickness lacks, so much is made up for in a step."""
-PATIENCE = 0.1
-"""Where bodies are on the cloth, no sooner than in this time [s]: what is pushed keeps the speed."""
+"""Of what the thickness lacks, at most so much is made up for in a step."""
+PATIENCE, PATIENCE_WITH_BODIES = 0.025, 0.1
+"""And no sooner than in this time [s]: what is pushed keeps the speed, and bodies are heavy."""
 ENDS = 1e-9
 """Weights below this are none."""
 ROOM = 8
@@ -170,19 +170,22 @@ class Collisions:
 
     def find(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY, add: bool = True) -> int:
         """Look for what comes nearer than a share of its thickness on the way from `start` to `place` [m]; returns how
-        many were not known. To `add` them asks the integrator to solve again, as forces belong to other contacts."""
-        fresh = self._search(start, place, early)
-        if len(self.known.key) and len(fresh.key):
-            fresh = fresh.take(np.flatnonzero(~_among(fresh.key, self.known.key)))
+        many were not known. To `add` them asks the integrator to solve again, as forces belong to other contacts; so
+        are those that are known and come too near all the same: their sides have slid to where they meet otherwise."""
+        fresh, known = self._search(start, place, early), self.known
+        if len(known.key) and len(fresh.key):
+            new = ~_among(fresh.key, known.key)
+            if add:
+                new |= _among(fresh.key[:, 1:], self.narrow)
+            fresh = fresh.take(np.flatnonzero(new))
         if add and len(fresh.key):
             if not self._bears and self._on_bodies(fresh):
                 self._bears = True
-                self.known.limit = self._limits(self.known, self._nearest(self.known, start)[0])
-            if self.loose.count:
-                apart = self._nearest(fresh, start)[0]
-                fresh.limit = self._limits(fresh, np.where(apart > 0, apart, fresh.thick))
+                known.limit = self._limits(known, self._nearest(known, start)[0])
+            apart = self._nearest(fresh, start)[0]
+            fresh.limit = self._limits(fresh, np.where(apart > 0, apart, fresh.thick))
             self._keep_forces()
-            self.known = self.known.joined(fresh)
+            self.known = known.take(np.flatnonzero(~_among(known.key, fresh.key))).joined(fresh)
             self._upload()
         return len(fresh.key)
 
@@ -333,7 +336,7 @@ class Collisions:
     def _limits(self, known: Known, apart: np.ndarray) -> np.ndarray:
         """How far contacts have to be apart after a step at the begin of which they are so far apart [m]."""
         lacking = np.maximum(known.thick - apart, 0.0)
-        share = min(SHARE, self._dt / PATIENCE) if self._bears else SHARE
+        share = min(SHARE, self._dt / (PATIENCE_WITH_BODIES if self._bears else PATIENCE))
         return self._offset(known.key) + np.where(lacking > 0, apart + share * lacking, known.thick)
 
     def _on_bodies(self, known: Known) -> bool:

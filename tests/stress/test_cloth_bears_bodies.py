@@ -22,14 +22,12 @@ def cloth(size: float, height: float, **settings: Any) -> dict[str, Any]:
 
 def energy(world: Any) -> float:
     """Of bodies and cloth [J]."""
-    rigid, cloth = world.rigid.measure(), world.cloth.measure()
-    return (
-        rigid.kinetic_energy
-        + rigid.potential_energy
-        + cloth.kinetic_energy
-        + cloth.potential_energy
-        + cloth.elastic_energy
-    )
+    cloth = world.cloth.measure()
+    found = cloth.kinetic_energy + cloth.potential_energy + cloth.elastic_energy
+    if world.rigid:
+        rigid = world.rigid.measure()
+        found += rigid.kinetic_energy + rigid.potential_energy
+    return found
 
 
 def block(mass: float, height: float, **settings: Any) -> dict[str, Any]:
@@ -96,19 +94,7 @@ SCENES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     ),
 }
 FAST = ("block of 2 kg on a towel", "cloth between blocks of 0.02 and 2 kg")
-MAKES = {
-    "block of 0.002 kg on a towel": "1 % of 0.6 mJ is made at 0.5 ms as it touches the towel, in one of 4 runs",
-    "box thrown into a curtain": "13 % are made at 16 ms where points are held back, in one of 8 runs",
-}
-"""Where energy is made after all, by rounding."""
-CASES = [
-    pytest.param(
-        name,
-        marks=[pytest.mark.xfail(reason=MAKES.get(name, ""))] * (name in MAKES)
-        + [pytest.mark.slow] * (name not in FAST),
-    )
-    for name in SCENES
-]
+CASES = [pytest.param(name, marks=[pytest.mark.slow] * (name not in FAST)) for name in SCENES]
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -116,15 +102,47 @@ def test_contacts_make_no_energy(name):
     """E(t) <= E(0), with steps of 0.5, 4 and 16 ms."""
     bodies, sheets = SCENES[name]
     for dt in (0.004, 0.016, 0.0005):
-        world = scene(sheets, bodies, gravity=[0, -G, 0])
-        first = found = energy(world)
-        least = most = first
-        for k in range(1, round(0.4 / dt) + 1):
-            world.advance(dt, k * dt)
-            found = energy(world)
-            least, most = min(least, found), max(most, found)
-        assert np.isfinite(found)
+        least, first, most = extremes(scene(sheets, bodies, gravity=[0, -G, 0]), 0.4, dt)
         assert most - first <= MADE * (first - least) + 1e-5 * abs(first), (name, dt)
+
+
+def extremes(world: Any, seconds: float, dt: float) -> tuple[float, float, float]:
+    """The least energy in a time [s], that of the start, and the greatest [J]."""
+    least = most = first = energy(world)
+    for k in range(1, round(seconds / dt) + 1):
+        world.advance(dt, k * dt)
+        found = energy(world)
+        assert np.isfinite(found)
+        least, most = min(least, found), max(most, found)
+    return least, first, most
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_edges_in_line_with_threads_make_no_energy(seed):
+    """A box meets a curtain along its threads: by rounding, edges of the two slide past where they were nearest."""
+    bodies, sheets = SCENES["box thrown into a curtain"]
+    box = bodies["box"]
+    place = np.array(box["position"]) + np.random.default_rng(seed).normal(size=3) * 1e-8
+    bodies = {"box": box | {"position": place.tolist()}}
+    least, first, most = extremes(scene(sheets, bodies, gravity=[0, -G, 0]), 0.4, 0.016)
+    assert most - first <= MADE * (first - least) + 1e-5 * abs(first)
+
+
+LYING = {
+    "on the ground": ({}, {"a": cloth(0.2, THICK / 2)}),
+    "on another": ({}, {"a": cloth(0.2, THICK / 2), "b": cloth(0.2, 1.5 * THICK)}),
+    "on a table": ({"table": box((0.3, 0.1, 0.3), motion="static", position=[0, 0.05, 0])}, {"a": cloth(0.2, 0.102)}),
+}
+
+
+@pytest.mark.parametrize("dt", [1e-4, 5e-4])
+@pytest.mark.parametrize("where", LYING)
+def test_a_towel_that_lies_is_not_thrown_up(where, dt):
+    """It is seen to touch when it has sunk in by a twentieth of its thickness, and raised to where it belongs so slowly
+    that the speed is worth less than a hundredth of the way that it sank, whatever the step."""
+    bodies, sheets = LYING[where]
+    least, first, most = extremes(scene(sheets, {"floor": ground()} | bodies, gravity=[0, -G, 0]), 0.02, dt)
+    assert most - first <= MADE * (first - least)
 
 
 @pytest.mark.parametrize("mass", [0.05, 2, pytest.param(20, marks=pytest.mark.slow)])
