@@ -10,14 +10,29 @@ time.
 import taichi as ti
 
 from sim.cloth.layout import ROWS, Holds, Loose, Points, Rows, Touches
-from sim.cloth.newton_sums import BEND, DOWN, HIGH, LOW, NOW, SETTLED, SHARE, System, add_range, add_ranges, turn
+from sim.cloth.newton_sums import (
+    BEND,
+    DOWN,
+    HIGH,
+    LOW,
+    NOW,
+    SETTLED,
+    SHARE,
+    SLOPE_HIGH,
+    SLOPE_LOW,
+    System,
+    add_range,
+    add_ranges,
+    turn,
+)
 from sim.cloth.touch import on_body, parted, pressed, works, yielding
 from sim.double import vec3
 
 AT_ONCE = 4
 """Iterations in one launch."""
-TRIES = 3
-"""To find how far to go along a course, after the first."""
+TRIES, TRIES_ALONE = 3, 20
+"""To find how far to go along a course, after the first: friction turns round within a hair's breadth, and threads that
+share the work pay for each."""
 FLAT = 0.1
 """Of the slope of the energy at the start of a course, so much may be left at its end."""
 FAR = 1e30
@@ -60,8 +75,8 @@ def _slope(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.templat
 
 @ti.func
 def _choose(touching: vec3, e: ti.template()):
-    """The next share to try, by Newton's method on the slope, between those known to be too small and too large; or
-    settle for this one."""
+    """The next share to try, by Newton's method on the slope, or, where that leads out, by the secant between those
+    known to be too small and too large, the slope at the end that stays halved (Illinois); or settle for this one."""
     share = e.scalar[SHARE]
     down = e.scalar[DOWN] - share * e.scalar[BEND] + touching[0]
     bend = e.scalar[BEND] + touching[1]
@@ -70,13 +85,18 @@ def _choose(touching: vec3, e: ti.template()):
     else:
         if down > 0.0:
             e.scalar[LOW] = share
+            e.scalar[SLOPE_LOW] = down
+            e.scalar[SLOPE_HIGH] *= 0.5
         else:
             e.scalar[HIGH] = share
+            e.scalar[SLOPE_HIGH] = down
+            e.scalar[SLOPE_LOW] *= 0.5
+        low, high = e.scalar[LOW], e.scalar[HIGH]
         found = share
         if bend > 0.0:
             found = share + down / bend
-        if found > e.scalar[HIGH] or found < e.scalar[LOW]:
-            found = 0.5 * (e.scalar[LOW] + e.scalar[HIGH])
+        if found > high or found < low:
+            found = low + (high - low) * e.scalar[SLOPE_LOW] / (e.scalar[SLOPE_LOW] - e.scalar[SLOPE_HIGH])
         e.scalar[SHARE] = found
 
 
@@ -86,6 +106,8 @@ def _begin_to_choose(bend: ti.f64, e: ti.template()):
     e.scalar[SHARE] = 0.0
     e.scalar[LOW] = 0.0
     e.scalar[HIGH] = FAR
+    e.scalar[SLOPE_LOW] = e.scalar[DOWN]
+    e.scalar[SLOPE_HIGH] = 0.0
     e.scalar[SETTLED] = 0.0
 
 
@@ -154,7 +176,7 @@ def solve_alone(
             for c in range(touches):
                 if touch.awake[c]:
                     touch.touch_way[c] = parted(c, points, touch, e.course)
-            for _try in range(1 + TRIES):
+            for _try in range(1 + TRIES_ALONE):
                 if e.scalar[SETTLED] == 0.0:
                     touching = vec3(0.0, 0.0, 0.0)
                     for c in range(touches):

@@ -18,9 +18,9 @@ from sim.cloth.springs import block, line
 from sim.cloth.touch import on_body, slipping, touch_energy
 from sim.double import Matrices, Numbers, Vectors, cross_matrix, mat3, vec2, vec3, vec5
 
-NOW, DOWN, BEND, SHARE, LOW, HIGH, SETTLED = range(7)
-"""Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, and whether
-that is settled."""
+NOW, DOWN, BEND, SHARE, LOW, HIGH, SLOPE_LOW, SLOPE_HIGH, SETTLED = range(9)
+"""Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, the slopes
+at these, and whether that is settled."""
 
 Trial = ti.types.argpack(
     start=Vectors,
