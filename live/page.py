@@ -114,12 +114,14 @@ class Page:
         with self._lock:
             if self._steers is None:
                 self._steers = number
-        view = View(client)
-        take = client.gui.add_button("Take over", hint="steer this simulation yourself", visible=False)
-        uploads = self.session.script.scene.folder / "uploads"
-        panel = Panel(client, self.session, view, lambda: self._steers == number, uploads)
-        take.on_click(panel.orders.queued(lambda event: self._take_over(number)))
-        view.look_at(self.session.bounds)
+        # A click on what is shown before it is heard would be lost.
+        with client.atomic():
+            view = View(client)
+            take = client.gui.add_button("Take over", hint="steer this simulation yourself", visible=False)
+            uploads = self.session.script.scene.folder / "uploads"
+            panel = Panel(client, self.session, view, lambda: self._steers == number, uploads)
+            take.on_click(panel.orders.queued(lambda event: self._take_over(number)))
+            view.look_at(self.session.bounds)
         with self._lock:
             self._viewers[number] = Viewer(client, view, panel, take)
             self._show_who_steers()

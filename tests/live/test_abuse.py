@@ -13,6 +13,7 @@ import psutil
 import pytest
 
 from live.page import Page
+from live.panel import Panel
 from live.session import Session
 from tests.live.stage import SCENE, Stage
 from tests.live.viewer import Viewer
@@ -116,6 +117,20 @@ def test_malformed_messages_close_their_sender_only(stage, page):
     wrong.send(type="GuiUpdateMessage", uuid=wrong.fields["Play"][0], updates={"nothing": 1})
     assert not watching.closed
     still_works(stage, page)
+
+
+def test_a_click_on_a_page_that_is_still_being_made_is_heard(stage, page, monkeypatch):
+    class Slow(Panel):
+        def __init__(self, *given):
+            time.sleep(0.3)
+            super().__init__(*given)
+
+    Viewer(page.port).wait_for("Play")
+    monkeypatch.setattr("live.page.Panel", Slow)
+    other = Viewer(page.port)
+    other.press("Take over")
+    other.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
 
 
 def test_what_is_being_done_is_done_before_somebody_takes_over(stage, monkeypatch):
