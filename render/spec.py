@@ -66,7 +66,8 @@ class PrincipledLook(Settings):
                 close = suggestion(name, PRINCIPLED_COLORS + PRINCIPLED_NUMBERS)
                 raise ValueError(f"the Principled BSDF has no input '{name}' that can be set: {close}")
             if isinstance(value, tuple) is not (name in PRINCIPLED_COLORS):
-                raise ValueError(f"{name} is a {'colour' if name in PRINCIPLED_COLORS else 'number'}")
+                kind, example = ("colour", "'#ff8800'") if name in PRINCIPLED_COLORS else ("number", "0.5")
+                raise ValueError(f"{name} must be a {kind}: write one, as {example}")
         return values
 
 
@@ -169,7 +170,7 @@ class CameraKeyframe(Settings):
     @model_validator(mode="after")
     def _faces_a_direction(self) -> Self:
         if self.position == self.target:
-            raise ValueError("position and target must differ")
+            raise ValueError("position and target must differ: move one of them")
         return self
 
 
@@ -203,19 +204,20 @@ class Camera(Settings):
         if len(self.keyframes) == 1:
             raise ValueError("one keyframe is no move: give two or more, or position and target")
         if any(early.at >= late.at for early, late in itertools.pairwise(self.keyframes)):
-            raise ValueError("the times of the keyframes must grow")
+            raise ValueError("the times of the keyframes must grow: sort them, no two at the same")
         if self.keyframes and self.position is not None:
-            raise ValueError("keyframes and position exclude each other")
+            raise ValueError("keyframes and position exclude each other: remove one of them")
         if self.position is not None or self.keyframes:
             if self.position is not None and self.position == self.target:
-                raise ValueError("position and target must differ")
+                raise ValueError("position and target must differ: move one of them")
             idle = _changed(self, "azimuth", "elevation", "margin")
             if idle:
                 raise ValueError(
-                    f"{', '.join(idle)} of the automatic framing and a camera that is placed exclude each other"
+                    f"{', '.join(idle)} of the automatic framing and a camera that is placed exclude each other: "
+                    "remove one of them"
                 )
         if self.focal_length is not None and _changed(self, "field_of_view"):
-            raise ValueError("field_of_view and focal_length exclude each other")
+            raise ValueError("field_of_view and focal_length exclude each other: remove one of them")
         return self
 
 
@@ -258,7 +260,7 @@ class AreaLight(Settings):
     @model_validator(mode="after")
     def _faces_a_direction(self) -> Self:
         if self.position == self.target:
-            raise ValueError("position and target must differ")
+            raise ValueError("position and target must differ: move one of them")
         return self
 
 
@@ -277,7 +279,7 @@ class Environment(Settings):
     @model_validator(mode="after")
     def _one_panorama(self) -> Self:
         if self.file is not None and _changed(self, "light"):
-            raise ValueError("light and file exclude each other")
+            raise ValueError("light and file exclude each other: remove one of them")
         return self
 
 

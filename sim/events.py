@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from sim.settings import Refused, Settings
 from sim.similar import similar, suggestion
 from sim.spec import Event, SimulationSpec
+from sim.wrong_values import reason
 
 TIME_TOLERANCE = 1e-12
 """Times closer than this [s] are the same."""
@@ -85,8 +86,7 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
         return SimulationSpec.model_validate(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        remedy = first.get("ctx", {}).get("remedy", "")
-        raise _refusal(event, index, tuple(map(str, first["loc"])), first["msg"], remedy) from None
+        raise _refusal(event, index, first) from None
 
 
 FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", "events", "probes")
@@ -139,21 +139,20 @@ def _names(data: dict[str, Any]) -> set[str]:
     return found
 
 
-def _refusal(event: Event, index: int, field: tuple[str, ...], reason: str, remedy: str) -> Refused:
+def _refusal(event: Event, index: int, detail: Any) -> Refused:
     """Blame the `set` whose path the invalid field lies at, or the event where there is none."""
+    field = tuple(map(str, detail["loc"]))
+    message, remedy = reason(detail)
     for path in event.set:
         keys = tuple(path.split("."))
         # Pydantic puts the chosen members of unions between the keys.
         if [key for key in field if key in keys][: len(keys)] == list(keys):
             location = ("events", index, "set", path)
-            if reason == "Extra inputs are not permitted":
+            if detail["type"] == "extra_forbidden":
                 return _unknown(path, keys[-1], _known(keys[:-1]), location)
-            remedy = remedy or "give a value of the kind it has in the scene"
-            return Refused(f"{path}: {reason}", location=location, remedy=remedy)
+            return Refused(f"{path}: {message}", location=location, remedy=remedy)
     return Refused(
-        f"the event can not be applied: {'.'.join(field)}: {reason}",
-        location=("events", index),
-        remedy="change what the event sets, adds or removes",
+        f"the event can not be applied: {'.'.join(field)}: {message}", location=("events", index), remedy=remedy
     )
 
 

@@ -68,7 +68,7 @@ class TimeStep(Settings):
     @model_validator(mode="after")
     def _one_policy(self) -> Self:
         if self.fixed is not None and self.maximum is not None:
-            raise ValueError("fixed and maximum exclude each other")
+            raise ValueError("fixed and maximum exclude each other: remove one of them")
         return self
 
 
@@ -117,7 +117,7 @@ class Region(Settings):
     @model_validator(mode="after")
     def _is_a_box(self) -> Self:
         if not all(a < b for a, b in zip(self.low, self.high, strict=True)):
-            raise ValueError("low must be below high along each axis")
+            raise ValueError("low must be below high along each axis: swap them")
         return self
 
 
@@ -184,7 +184,7 @@ class Event(Settings):
     @model_validator(mode="after")
     def _does_something(self) -> Self:
         if not (self.add.names() or self.remove or self.set):
-            raise ValueError("an event needs add, remove or set")
+            raise ValueError("an event needs add, remove or set: say what it does, or remove it")
         return self
 
 
@@ -211,7 +211,7 @@ class SimulationSpec(Settings):
     def _events_in_order(self) -> Self:
         times = [event.at for event in self.events]
         if times != sorted(times):
-            raise ValueError("events must be sorted by their time")
+            raise ValueError("events must be sorted by their time: put the earliest first")
         return self
 
     @model_validator(mode="after")

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from sim.similar import similar, suggestion
+from sim.wrong_values import BOUNDS, KINDS, LIST, said, shown_as
 from workflow import slips
 from workflow.document import Document, Location, dotted
 from workflow.levels import home, levels, misplaced
@@ -76,14 +77,6 @@ def _path_in_document(detail: Any, data: Any) -> Location:
     return tuple(path)
 
 
-_BOUNDS = {
-    "greater_than": ("greater than", "gt"),
-    "greater_than_equal": ("at least", "ge"),
-    "less_than": ("less than", "lt"),
-    "less_than_equal": ("at most", "le"),
-}
-
-
 def _explain(detail: Any, path: Location, document: Document, model: type[BaseModel]) -> tuple[str, str]:
     """What is wrong, and what would be right."""
     message, remedy = _told(detail, path, document, model)
@@ -95,13 +88,13 @@ def _told(detail: Any, path: Location, document: Document, model: type[BaseModel
     """The same by the kind of the error alone."""
     kind, context, given = detail["type"], detail.get("ctx", {}), detail["input"]
     group, unit = _context(model, detail["loc"])
-    shown, in_unit = _shown(given), f" [{unit}]" if unit not in {"", "1"} else ""
+    shown, in_unit = shown_as(given), f" [{unit}]" if unit not in {"", "1"} else ""
     if kind == "extra_forbidden":
         return f"unknown key '{path[-1]}'", _known_as(str(path[-1]), path[:-1], given, group, model)
     if kind == "missing":
         return _missing(detail, path, in_unit, document, model)
-    if kind in _BOUNDS:
-        words, key = _BOUNDS[kind]
+    if kind in BOUNDS:
+        words, key = BOUNDS[kind]
         millimetres = unit == "m" and "less" in kind and isinstance(given, int | float) and given / 1000 <= context[key]
         meant = f", or '{given:g} mm' if millimetres were meant" if millimetres else ""
         remedy = f"give a number {words} {context[key]:g}{in_unit}{meant}"
@@ -125,44 +118,13 @@ def _told(detail: Any, path: Location, document: Document, model: type[BaseModel
         return "is empty", "name at least one thing in it, or remove the whole group"
     if kind == "string_pattern_mismatch" and "mp4" in context["pattern"]:
         return f"must end in .mp4{shown}", "give a path such as gallery/film.mp4"
-    if _KINDS.get(kind) is _LIST and (items := levels(model).models((*path, 0))):
+    if KINDS.get(kind) is LIST and (items := levels(model).models((*path, 0))):
         return _list_of_groups(given, items[0], shown)
-    simple = _KINDS.get(kind)
+    simple = KINDS.get(kind)
     if simple:
         message, remedy = simple
         return f"{message}{in_unit}{shown}", f"{remedy}{in_unit}"
-    return _said(detail["msg"].removeprefix("Value error, "))
-
-
-_NUMBER = ("must be a number", "give a plain number")
-_WHOLE = ("must be a whole number", "give a number without fraction or unit")
-_LIST = ("must be a list", "write a list, as [0, 1, 0]")
-_GROUP = ("must be a group of settings", "indent its keys below it")
-_FLAG = ("must be true or false", "write true or false")
-_TEXT = ("must be text", "put it in quotes")
-_KINDS = {
-    **dict.fromkeys(("float_type", "float_parsing", "finite_number"), _NUMBER),
-    **dict.fromkeys(("int_type", "int_parsing", "int_from_float", "int_parsing_size"), _WHOLE),
-    **dict.fromkeys(("tuple_type", "list_type"), _LIST),
-    **dict.fromkeys(("model_type", "dict_type", "model_attributes_type"), _GROUP),
-    **dict.fromkeys(("bool_type", "bool_parsing"), _FLAG),
-    "string_type": _TEXT,
-    "color": ("is not a colour", "write '#3a7bd5', or three numbers from 0 to 1 as [0.2, 0.5, 0.8]"),
-    "string_too_short": ("must not be empty", "give it a text, or remove the key"),
-    "string_pattern_mismatch": ("is not a valid name", "names start with a letter and hold letters, digits, - and _"),
-}
-
-
-def _shown(given: Any) -> str:
-    """What was given, as YAML writes it; nothing for lists and groups."""
-    if given is None:
-        return ", got nothing"
-    if isinstance(given, bool):
-        return f", got {str(given).lower()}"
-    if isinstance(given, int | float | str):
-        text = repr(given)
-        return f", got {text if len(text) <= 80 else text[:77] + '...'}"
-    return ""
+    return said(detail["msg"])
 
 
 def _list_of_groups(given: Any, item: type[BaseModel], shown: str) -> tuple[str, str]:
@@ -196,17 +158,6 @@ def _missing(detail: Any, path: Location, in_unit: str, document: Document, mode
 
 def _wrong_length(due: int, given: int, in_unit: str) -> tuple[str, str]:
     return f"must be a list of {due} values{in_unit}, got {given}", f"give {due} values"
-
-
-def _said(message: str) -> tuple[str, str]:
-    """A validator's own words: `what is wrong: what to do`, where what is wrong is more than a key."""
-    wrong, colon, remedy = message.partition(": ")
-    if colon and " " in wrong:
-        return wrong, remedy
-    for words, what_to_do in (("exclude each other", "remove one of them"), ("sorted", "put the earliest first")):
-        if words in message:
-            return message, what_to_do
-    return message, "change it as said; docs/scene-reference.md describes every setting"
 
 
 def _context(model: type[BaseModel], loc: tuple[str | int, ...]) -> tuple[list[str], str]:

@@ -107,7 +107,7 @@ class ClothSheet(Placement):
     @model_validator(mode="after")
     def _fits_its_shape(self) -> Self:
         if self.static_friction is not None and self.static_friction < self.friction:
-            raise ValueError("static_friction must be at least friction")
+            raise ValueError("static_friction must be at least friction: raise it, or lower friction")
         if self.shape.type == "mesh":
             for name in ("spacing", "shear_stiffness"):
                 if getattr(self, name) is not None:

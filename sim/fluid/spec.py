@@ -50,7 +50,8 @@ class FluidBody(Placement):
         divergence = sum(rows[axis][axis] for axis in range(3))
         if abs(divergence) > DIVERGENCE_TOLERANCE * max(abs(value) for row in rows for value in row):
             raise ValueError(
-                f"velocity_gradient must not compress the fluid: its diagonal adds up to {divergence:.4g} /s, not to 0"
+                f"velocity_gradient must not compress the fluid: its diagonal adds up to {divergence:.4g} /s, not 0: "
+                "lower one of its three values"
             )
         return self
 
@@ -81,7 +82,9 @@ class Timed(Placement):
     @model_validator(mode="after")
     def _starts_before_it_stops(self) -> Self:
         if self.stop is not None and self.stop <= self.start:
-            raise ValueError(f"stop ({self.stop:g} s) must be later than start ({self.start:g} s)")
+            raise ValueError(
+                f"stop ({self.stop:g} s) must be later than start ({self.start:g} s): raise stop, or leave it out"
+            )
         return self
 
 

@@ -21,7 +21,7 @@ class Range(Settings):
     @model_validator(mode="after")
     def _grows(self) -> Self:
         if self.low >= self.high:
-            raise ValueError("low must be below high")
+            raise ValueError("low must be below high: swap them")
         return self
 
 
@@ -93,7 +93,7 @@ class FoamSpec(Settings):
     @model_validator(mode="after")
     def _kinds_in_order(self) -> Self:
         if self.spray_below > self.bubbles_above + 1:
-            raise ValueError("spray_below must be at most bubbles_above + 1: no count can be both")
+            raise ValueError("spray_below must be at most bubbles_above + 1, as no count can be both: lower it")
         return self
 
 

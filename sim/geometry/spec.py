@@ -54,7 +54,9 @@ class Torus(Settings):
     @model_validator(mode="after")
     def _tube_fits(self) -> Self:
         if self.tube_radius >= self.radius:
-            raise ValueError("tube_radius must be smaller than radius")
+            raise ValueError(
+                "tube_radius must be smaller than radius, or the ring has no hole: lower it, or use a sphere"
+            )
         return self
 
 
@@ -68,7 +70,7 @@ class Plane(Settings):
     @model_validator(mode="after")
     def _has_a_direction(self) -> Self:
         if sum(component * component for component in self.normal) < 1e-12:
-            raise ValueError("normal must not be zero")
+            raise ValueError("normal must not be zero: give a direction, as [0, 1, 0]")
         return self
 
 
@@ -144,7 +146,7 @@ class Rotation(Settings):
     @model_validator(mode="after")
     def _has_an_axis(self) -> Self:
         if sum(component * component for component in self.axis) < 1e-12:
-            raise ValueError("axis must not be zero")
+            raise ValueError("axis must not be zero: give a direction, as [0, 1, 0]")
         return self
 
 

@@ -57,7 +57,7 @@ class Contact(Settings):
     @model_validator(mode="after")
     def _rest_holds_better(self) -> Self:
         if self.static_friction is not None and self.static_friction < self.friction:
-            raise ValueError("static_friction must be at least friction")
+            raise ValueError("static_friction must be at least friction: raise it, or lower friction")
         return self
 
 
@@ -98,14 +98,14 @@ class RigidBody(Placement, Contact):
     def _weighs_one_way(self) -> Self:
         # A canonical dump names the default, too.
         if self.mass is not None and self.density != type(self).model_fields["density"].default:
-            raise ValueError("mass and density exclude each other")
+            raise ValueError("mass and density exclude each other: remove one of them")
         return self
 
     @model_validator(mode="after")
     def _motion_is_consistent(self) -> Self:
         moves = any(self.velocity) or any(self.angular_velocity)
         if self.motion == "prescribed" and not (self.keyframes or moves):
-            raise ValueError("motion: prescribed needs keyframes, or velocity or angular_velocity")
+            raise ValueError("motion prescribed needs keyframes, or velocity or angular_velocity: add one of them")
         if self.motion != "prescribed" and self.keyframes:
             raise ValueError("keyframes are for prescribed bodies: add `motion: prescribed`, or remove them")
         if self.motion == "static" and moves:

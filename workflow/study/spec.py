@@ -42,13 +42,15 @@ class Quantity(Settings):
     @model_validator(mode="after")
     def _named(self) -> Self:
         if (self.of is not None) != (self.table in {"probes", "bodies"}):
-            raise ValueError("of names the probe or the body, and is for no table but these two")
+            raise ValueError(
+                "of names the probe or the body of these two tables: add it for them, and leave it out for others"
+            )
         if (self.distance is not None) != (self.table == "surface" and self.column == "distance"):
-            raise ValueError("distance is a formula for the column distance of a surface")
+            raise ValueError("distance is the formula of a surface's column distance: give both or neither")
         if self.table == "surface" and self.column not in {"volume", "area", "distance"}:
-            raise ValueError("column of a surface is volume, area or distance")
+            raise ValueError("the column of a surface must be one of three: write volume, area or distance")
         if self.until is not None and self.until <= self.after:
-            raise ValueError("until has to be later than after")
+            raise ValueError("until must be later than after: raise it, or leave it out")
         return self
 
 
@@ -130,19 +132,22 @@ class Study(Settings):
     def _fits_its_stage(self) -> Self:
         if self.quantity.table not in TABLES[self.stage]:
             raise ValueError(
-                f"stage: {self.stage} leaves no {self.quantity.table}, but {', '.join(TABLES[self.stage])}"
+                f"the stage {self.stage} leaves no table {self.quantity.table}: "
+                f"take one of {', '.join(TABLES[self.stage])}"
             )
         if self.stage == "simulate" and self.frame is not None:
-            raise ValueError("frame is for surfaces and pictures: a simulation runs to its end")
+            raise ValueError("frame is for surfaces and pictures, and a simulation runs to its end: leave it out")
         if self.quantity.table == "picture" and not isinstance(self.reference, ByTrial):
-            raise ValueError("reference of a picture has to be a trial")
+            raise ValueError("the reference of a picture must be a trial: write `type: trial`")
         wanted = {"reconstruct": "surface.", "render": "render."}.get(self.stage)
         others = self.reference.set if isinstance(self.reference, ByTrial) else ()
         for path in (*self.paths(), *self.set, *others):
             if wanted is None and path.partition(".")[0] in {"surface", "render", "film"}:
-                raise ValueError(f"grids and set: {path} changes nothing in a simulation")
+                raise ValueError(f"{path} changes nothing in a simulation: remove it from grids and set")
             if wanted is not None and not path.startswith(wanted):
-                raise ValueError(f"grids and set: {path} is none of {wanted}*, which this stage is about")
+                raise ValueError(
+                    f"{path} is none of {wanted}*, which this stage is about: remove it from grids and set"
+                )
         return self
 
     @model_validator(mode="after")

@@ -75,7 +75,7 @@ def test_every_look_of_the_settings_can_be_built():
     ("data", "said"),
     [
         ({"materials": {"a": {"type": "plastic", "principled": {"Coat Wieght": 1}}}}, "Coat Weight"),
-        ({"materials": {"a": {"type": "plastic", "principled": {"Base Color": 1}}}}, "is a colour"),
+        ({"materials": {"a": {"type": "plastic", "principled": {"Base Color": 1}}}}, "must be a colour"),
         ({"materials": {"a": {"type": "glass", "principled": {"Roughness": 1}}}}, "principled"),
         ({"passes": ["motion"]}, "motion_blur: false"),
         ({"passes": ["dept"]}, "depth"),

@@ -1,4 +1,7 @@
-"""A scene to make mistakes in, and the command that finds them."""
+"""A scene to make mistakes in, and the command that finds them.
+
+`pytest tests/unit/scene --answers docs/mistakes.md` writes what was typed and what it was answered.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from tests.unit.scene import answers
 
 SCENE = """\
 duration: 0.5
@@ -38,10 +43,11 @@ def _cache(tmp_path_factory):
 class Bench:
     """Writes scene files into a folder of its own and checks them."""
 
-    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]):
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str], properties: list[tuple[str, object]]):
         self.folder = folder
         self.path = folder / "bad.yaml"
         self._capsys = capsys
+        self._properties = properties
 
     def write(self, text: str | bytes) -> Path:
         self.path.write_bytes(text.encode() if isinstance(text, str) else text)
@@ -56,7 +62,11 @@ class Bench:
         except SystemExit as error:
             status = error.code
         printed = self._capsys.readouterr()
-        return status, printed.out + printed.err
+        said = printed.out + printed.err
+        if path is None:
+            found = answers.answer(self.path.read_bytes(), SCENE, options, said.replace(f"{self.folder}/", ""))
+            self._properties.append(("answer", found))
+        return status, said
 
     def accepts(self, text: str, *options: str) -> str:
         self.write(text)
@@ -81,10 +91,10 @@ class Bench:
 
 
 @pytest.fixture
-def bench(tmp_path: Path, capsys, monkeypatch) -> Bench:
+def bench(tmp_path: Path, capsys, monkeypatch, request) -> Bench:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenes").mkdir()
-    return Bench(tmp_path / "scenes", capsys)
+    return Bench(tmp_path / "scenes", capsys, request.node.user_properties)
 
 
 @pytest.fixture
@@ -101,3 +111,21 @@ def scene() -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def project() -> Path:
     return Path(os.path.abspath(__file__)).parents[3]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--answers", metavar="FILE", help="write what was typed and what it was answered, as Markdown")
+
+
+_answered: dict[str, list[tuple[str, str, str]]] = {}
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    if report.when == "call" and report.passed:
+        _answered[report.nodeid] = [found for name, found in report.user_properties if name == "answer" and found]
+
+
+def pytest_terminal_summary(config: pytest.Config) -> None:
+    path = config.getoption("--answers", default=None)
+    if path and not hasattr(config, "workerinput"):
+        Path(path).write_text(answers.page(_answered), encoding="utf-8")

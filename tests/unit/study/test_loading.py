@@ -108,7 +108,7 @@ def test_a_study_may_be_compared_with_its_best_trial(loaded):
         ("repeats: 2", "color: gravity", "rigid.max_step"),
         ("grids:", "grid:", "grids"),
         ("description: How exact is free fall?\n", "", "description"),
-        ("repeats: 2", "stage: render", "leaves no bodies, but picture"),
+        ("repeats: 2", "stage: render", "the stage render leaves no table bodies"),
         ("[5 ms]", "[5 ms]\n  - render.samples: [1]", "render.samples changes nothing in a simulation"),
         ("repeats: 2", "frame: 2", "frame is for surfaces and pictures"),
     ],
