@@ -166,6 +166,8 @@ class World:
             self._build_rigid(time)
         if self.sheets:
             self._build_cloth(time)
+        if self.rigid:
+            self.rigid.awaits_cloth = bool(self.cloth)
         if state is None:
             return
         from sim.coupling.fluid_rigid import boundary_solids

@@ -99,3 +99,24 @@ def passages(world, seconds: float, dt: float) -> int:
         total += passed(before, after, triangles, moving)
         before = after
     return total
+
+
+def energy(world: Any) -> float:
+    """Of bodies and cloth [J]."""
+    cloth = world.cloth.measure()
+    found = cloth.kinetic_energy + cloth.potential_energy + cloth.elastic_energy
+    if world.rigid:
+        rigid = world.rigid.measure()
+        found += rigid.kinetic_energy + rigid.potential_energy
+    return found
+
+
+def extremes(world: Any, seconds: float, dt: float) -> tuple[float, float, float]:
+    """The least energy in a time [s], that of the start, and the greatest [J]."""
+    least = most = first = energy(world)
+    for k in range(1, round(seconds / dt) + 1):
+        world.advance(dt, k * dt)
+        found = energy(world)
+        assert np.isfinite(found)
+        least, most = min(least, found), max(most, found)
+    return least, first, most

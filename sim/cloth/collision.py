@@ -218,8 +218,15 @@ class Collisions:
     def on_bodies(self) -> np.ndarray:
         """What contacts do to bodies in the step: forces [N], and torques about the centres of mass that they were
         aimed at [N m], shape [bodies, 6]."""
-        body, total, arm = self._held
-        return self.loose.sum(body, wrenches(total, arm, self._forces()))
+        return self._wrenches_of(slice(None))
+
+    def of_cloth(self) -> np.ndarray:
+        """The same of contacts with cloth alone."""
+        return self._wrenches_of(slice(len(self.known.key)))
+
+    def _wrenches_of(self, contacts: slice) -> np.ndarray:
+        body, total, arm = (values[contacts] for values in self._held)
+        return self.loose.sum(body, wrenches(total, arm, self._forces()[contacts]))
 
     def between_bodies(self) -> np.ndarray:
         """The force of the `meetings` of bodies in the step [N], shape [n, 3]."""

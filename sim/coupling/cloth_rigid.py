@@ -74,9 +74,9 @@ def _meetings(loose: list[int], rigid: RigidPart, dt: float) -> Meetings:
 def push(cloth: ClothPart, rigid: RigidPart, dt: float) -> None:
     """Let bodies give way to the cloth as it found in a step of dt [s]."""
     collisions, bodies = cloth.collisions, cloth.collisions.loose
-    impulse = dt * (collisions.on_bodies() - bodies.load)
-    rigid.give_way(np.array(cloth.solids.loose), impulse, *bodies.ways())
-    rigid.renew(bodies.taken, collisions.between_bodies())
+    loose = np.array(cloth.solids.loose)
+    rigid.give_way(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.ways())
+    rigid.rebound(dt, loose, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
 
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:

@@ -3,7 +3,7 @@
 A step: forces change velocities (free_motion); near bodies are paired (broad_phase), and the places where they touch or
 will are found (narrow_phase, box_box, manifold); impulses are found for all of them together (contact_solver); bodies
 move (free_motion, rotation); those that were struck bounce (restitution), and what overlaps still is parted without
-gaining speed (gather).
+gaining speed (gather). Where there is cloth, bodies bounce last, when it is known what it does to them.
 """
 
 from __future__ import annotations
@@ -85,6 +85,8 @@ class RigidPart:
         self._tables = ContactTables(64)
         self._contacts = 0
         self._known = state.contact_pair, state.contact_place, state.contact_force
+        self.awaits_cloth = False
+        """Whether `rebound` is called after each step, with what the cloth did in it."""
 
     def _weigh(self) -> None:
         """Inertia in the bodies' own axes, and the forces on them."""
@@ -160,7 +162,9 @@ class RigidPart:
         """
         self._move(dt, movements)
         if self._contacts:
-            self._bounce(dt)
+            self._tables.struck[: self._contacts] = 0
+            if not self.awaits_cloth:
+                self._bounce(dt, np.zeros(self.count, bool))
             self._remember(dt)
             self._part(dt)
         else:
@@ -221,7 +225,7 @@ class RigidPart:
         self.kick(whole[:, :3], whole[:, 3:])
 
     def meetings(self, dt: float) -> tuple[np.ndarray, ...] | None:
-        """Contacts of the last step, of dt [s], as it left them, but for what bounces: pairs of bodies, places [m],
+        """Contacts of the last step, of dt [s], as it left them: pairs of bodies, places [m],
         normals towards the first, gaps [m], coefficients of friction while sliding and at rest, and forces on the first
         [N], in this step and in the one before; None without any."""
         count, table = self._contacts, self._tables.table
@@ -239,10 +243,14 @@ class RigidPart:
         table, count = self._tables.table, self._contacts
         return (table["push"][:count, None] * table["normal"][:count] + table["drag"][:count]) / dt
 
-    def renew(self, contacts: np.ndarray, force: np.ndarray) -> None:
-        """Take other forces [N] of some contacts of the last step for known in the next."""
+    def _renew(self, dt: float, contacts: np.ndarray, force: np.ndarray) -> None:
+        """Take other forces [N] for those of some contacts in the last step."""
         lasting = self._known[2][contacts].any(axis=1)
         self._known[2][contacts[lasting]] = force[lasting]
+        table = self._tables.table
+        push = (force * table["normal"][contacts]).sum(axis=1)
+        table["push"][contacts] = dt * push
+        table["drag"][contacts] = dt * (force - push[:, None] * table["normal"][contacts])
 
     def mobility(self, turned: np.ndarray, bodies: np.ndarray) -> np.ndarray:
         """Inverse inertia of `bodies` in world axes [1/(kg m^2)], when `turned` so far since they were placed."""
@@ -409,7 +417,24 @@ class RigidPart:
         self.told["contact_iterations"], self.told["contact_error"] = sweeps, change
         self.told["contacts_capped"] = int(change > self.settings.contact_error)
 
-    def _bounce(self, dt: float) -> None:
+    def rebound(
+        self, dt: float, bodies: np.ndarray, impulse: np.ndarray, contacts: np.ndarray, force: np.ndarray
+    ) -> None:
+        """Let bounce what was struck in the last step, of dt [s], though cloth gave `bodies` these impulses [N s] and
+        [N m s], shape [n, 6], so that some `contacts` bear other forces [N], shape [m, 3]."""
+        if not self._contacts:
+            return
+        self._renew(dt, contacts, force)
+        self._free[0, bodies] += impulse[:, :3] / self.mass[bodies, None]
+        self._free[1, bodies] += np.einsum("nij,nj->ni", self._moved["inverse_inertia"][bodies], impulse[:, 3:])
+        braked = np.zeros(self.count, bool)
+        pair = self._tables.table["body"][: 2 * self._contacts].reshape(-1, 2)
+        braked[pair[contacts].ravel()] = True
+        self._bounce(dt, braked & self.free)
+        self._known[2][self._tables.struck[: self._contacts] == 2] = 0.0
+
+    def _bounce(self, dt: float, braked: np.ndarray) -> None:
+        """`braked`: bodies that may have been stopped by something else, too."""
         tables = self._tables
         struck = restitution.approach(
             self._contacts,
@@ -421,9 +446,11 @@ class RigidPart:
             self._met,
             tables.pressed,
             tables.restitution,
+            integers(braked),
             tables.extra,
             tables.slow,
             tables.struck,
+            tables.bounce,
         )
         if not struck:
             return
@@ -436,7 +463,7 @@ class RigidPart:
             tables.slow,
             self._blown,
             tables.pressed,
-            tables.restitution,
+            tables.bounce,
             tables.extra,
             tables.struck,
             tables.target,

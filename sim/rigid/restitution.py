@@ -31,15 +31,19 @@ def approach(
     motion: Motion,
     contacts: Contacts,
     restitution: Numbers,
+    braked: Integers,
     extra: Numbers,
     slow: Numbers,
     struck: Integers,
+    bounce: Numbers,
 ) -> ti.i32:
     """Which contacts are struck; returns how many. Velocities: old before the step, free at
     its end if there were no contact.
 
     extra: how much faster bodies will be along the normal when they meet [m/s]; slow: what gravity [m/s^2] does in
-    two steps [m/s], which is no blow, for bodies would never come to rest.
+    two steps [m/s], which is no blow, for bodies would never come to rest; bounce: the restitution, or less where
+    something else has braked one of the bodies: a contact gives back no more than its share of what it stopped, of its
+    impulse (Poisson 1817).
     """
     found = 0
     for c in range(count):
@@ -52,6 +56,11 @@ def approach(
         extra[c] = ti.min(speed - early, 0.0) if contacts.push[c] > 0.0 else 0.0
         slow[c] = 2.0 * ti.max(abs(change), dt * gravity) + 1e-9
         struck[c] = 0
+        bounce[c] = restitution[c]
+        if braked[contacts.body[2 * c]] + braked[contacts.body[2 * c + 1]] > 0:
+            left = n.dot(relative_velocity(motion, contacts, c))
+            stopped = contacts.push[c] / contacts.along[c] - ti.min(left, 0.0)
+            bounce[c] *= ti.min(stopped / ti.max(-early - extra[c], 1e-12), 1.0)
         if contacts.push[c] > 0.0:
             struck[c] = 1
             if early + extra[c] < -slow[c] and restitution[c] > 0.0:
@@ -69,7 +78,7 @@ def rebound(
     slow: Numbers,
     motion: Motion,
     contacts: Contacts,
-    restitution: Numbers,
+    bounce: Numbers,
     extra: Numbers,
     struck: Integers,
     target: Numbers,
@@ -95,7 +104,7 @@ def rebound(
                         speed = contacts.normal[c].dot(relative_velocity(motion, contacts, c)) + extra[c]
                         if speed < -slow[c]:
                             fast, change = True, ti.max(change, -speed)
-                            target[c] = -restitution[c] * speed
+                            target[c] = -bounce[c] * speed
                 if fast:
                     again = True
                     least, sweeps = EVEN * change, 0

@@ -71,7 +71,7 @@ class ContactTables:
         """How many were found of each pair."""
         self.found = Found(at=_rows(most), out=_rows(most), apart=np.zeros(most), bend=np.zeros(most))
         self.gap, self.restitution, self.slack = np.zeros(most), np.zeros(most), np.zeros(most)
-        self.extra, self.slow, self.blow = np.zeros(most), np.zeros(most), np.zeros(most)
+        self.extra, self.slow, self.blow, self.bounce = (np.zeros(most) for _ in range(4))
         self.struck = integers(np.zeros(most))
         self.table = {name: np.zeros(most) for name in ("limit", "friction", "grip", "push", "along", "across")}
         self.table |= {name: _rows(most) for name in ("place", "normal", "carried", "drag", "gain", "course")}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.bodies import ball, box, ground
-from tests.cloths import HANGING, G, scene, sheet
+from tests.cloths import HANGING, G, extremes, scene, sheet
 
 THICK = 0.004
 MADE = 0.01
@@ -18,16 +18,6 @@ that act (`force_error`)."""
 
 def cloth(size: float, height: float, **settings: Any) -> dict[str, Any]:
     return sheet((size, size), **{"position": [0, height, 0], "spacing": 0.04, "thickness": THICK} | settings)
-
-
-def energy(world: Any) -> float:
-    """Of bodies and cloth [J]."""
-    cloth = world.cloth.measure()
-    found = cloth.kinetic_energy + cloth.potential_energy + cloth.elastic_energy
-    if world.rigid:
-        rigid = world.rigid.measure()
-        found += rigid.kinetic_energy + rigid.potential_energy
-    return found
 
 
 def block(mass: float, height: float, **settings: Any) -> dict[str, Any]:
@@ -104,17 +94,6 @@ def test_contacts_make_no_energy(name):
     for dt in (0.004, 0.016, 0.0005):
         least, first, most = extremes(scene(sheets, bodies, gravity=[0, -G, 0]), 0.4, dt)
         assert most - first <= MADE * (first - least) + 1e-5 * abs(first), (name, dt)
-
-
-def extremes(world: Any, seconds: float, dt: float) -> tuple[float, float, float]:
-    """The least energy in a time [s], that of the start, and the greatest [J]."""
-    least = most = first = energy(world)
-    for k in range(1, round(seconds / dt) + 1):
-        world.advance(dt, k * dt)
-        found = energy(world)
-        assert np.isfinite(found)
-        least, most = min(least, found), max(most, found)
-    return least, first, most
 
 
 @pytest.mark.parametrize("seed", range(4))
