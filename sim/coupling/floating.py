@@ -65,6 +65,9 @@ class Floating:
         """A step begins after which prescribed bodies are at these `movements`, by index; in the boundary these
         are aimed there already."""
         self._movements = movements
+        if not self.system.count:
+            # Until there is fluid, bodies are stepped without it.
+            self.pose()
 
     def hear(self, momentum: Momentum) -> None:
         self._steady = self.reaction.forces(momentum) + self.film.steady + self._held
