@@ -150,7 +150,8 @@ def _refusal(event: Event, index: int, detail: Any) -> Refused:
             location = ("events", index, "set", path)
             if detail["type"] == "extra_forbidden":
                 return _unknown(path, keys[-1], _known(keys[:-1]), location)
-            return Refused(f"{path}: {message}", location=location, remedy=remedy)
+            within = "" if field[-1] == keys[-1] else f"{field[-1]}: "
+            return Refused(f"{within}{message}", location=location, remedy=remedy)
     return Refused(
         f"the event can not be applied: {'.'.join(field)}: {message}", location=("events", index), remedy=remedy
     )

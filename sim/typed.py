@@ -56,7 +56,9 @@ def meant(text: str) -> str:
         return f"write {many[1].replace(',', '')}{many[2]} without commas"
     if comma := re.fullmatch(r"([-+]?\d+),(\d+)((?:[eE][-+]?\d+)?\s*[^\d,;]*.*)", text):
         whole, part, rest = comma.groups()
-        other = f", or {whole}{part}{rest} if thousands were meant" if len(part) == 3 else ""
+        other = (
+            f", or {whole}{part}{rest} if thousands were meant" if len(part) == 3 and whole.lstrip("-+") != "0" else ""
+        )
         return f"decimals have a point: write {whole}.{part}{rest}{other}" if "," not in rest else ""
     if ";" in text and numbers(text):
         return f"part values by commas, as [{', '.join(numbers(text))}]"

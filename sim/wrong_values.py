@@ -56,6 +56,8 @@ def reason(detail: Any) -> tuple[str, str]:
         return f"must be {words} {context[key]:g}{shown_as(detail['input'])}", f"give a number {words} {context[key]:g}"
     if detail["type"] == "literal_error":
         return f"must be {context['expected']}{shown_as(detail['input'])}", "write one of these"
+    if detail["type"] == "quantity":
+        return detail["msg"], context.get("remedy") or "give a plain number, or a quantity in a unit of that kind"
     simple = KINDS.get(detail["type"])
     if simple:
         return f"{simple[0]}{shown_as(detail['input'])}", simple[1]

@@ -28,6 +28,8 @@ def remedy(kind: str, given: Any, line: str, unit: str) -> str:
         return f"write [{', '.join(str(given.get(axis, 0)) for axis in 'xyz')}]"
     if kind in {"too_long", "missing"} and (comma := _DECIMAL_COMMA.search(line)) and isinstance(given, list):
         return f"give as many values as are due; if {comma[0]} is one number, write {comma[1]}.{comma[2]}"
+    if kind in _LISTS and unit == "m/s^2" and isinstance(given, int | float) and not isinstance(given, bool):
+        return f"write [0, {-abs(given):g}, 0]: y is up"
     if kind == "dict_type" and isinstance(given, list):
         return "give each a name of its own in place of the `-`, as `ball:`, and indent its settings below"
     if kind == "model_type" and isinstance(given, list):

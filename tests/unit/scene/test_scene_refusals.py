@@ -137,7 +137,7 @@ def test_a_wrong_value(bench, scene, case):
 
 
 ADDED = {
-    "gravity as a number": ("gravity: 9.81", "gravity", "must be a list [m/s^2], got 9.81"),
+    "gravity as a number": ("gravity: 9.81", "gravity", "must be a list [m/s^2], got 9.81", "write [0, -9.81, 0]"),
     "gravity as text": ("gravity: down", "gravity", "must be a list"),
     "gravity in two": ("gravity: [0, -9.81]", "gravity", "3 values [m/s^2], got 2"),
     "gravity as a speed": ("gravity: [0, 9 m/s, 0]", "gravity.1", "number in m/s^2", "got '9 m/s'"),

@@ -24,7 +24,8 @@ def look(color: str) -> tuple[str, str]:
 
 SLIPS = {
     # numbers
-    "decimal comma": (RADIUS, "particle_radius: 0,025", "fluid.particle_radius", "have a point: write 0.025"),
+    "decimal comma": (RADIUS, "particle_radius: 0,025", "fluid.particle_radius", "have a point: write 0.025\n"),
+    "one comma of a thousand": ("fluid:", "fluid:\n  viscosity: 1,000", "write 1.000, or 1000 if thousands"),
     "decimal comma with a unit": (RADIUS, "particle_radius: 2,5 cm", "write 2.5 cm"),
     "decimal comma in a list": ("", "gravity: [0, -9,81, 0]", "gravity", "got 4", "if 9,81 is one number, write 9.81"),
     "comma of thousands": ("fluid:", "fluid:\n  max_particles: 1,000,000", "write 1000000 without commas"),
