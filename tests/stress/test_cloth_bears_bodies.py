@@ -84,16 +84,19 @@ SCENES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     ),
 }
 FAST = ("block of 2 kg on a towel", "cloth between blocks of 0.02 and 2 kg")
-CASES = [pytest.param(name, marks=[pytest.mark.slow] * (name not in FAST)) for name in SCENES]
+CASES = [
+    pytest.param(name, dt, marks=[pytest.mark.slow] * (name not in FAST or dt < 0.004))
+    for name in SCENES
+    for dt in (0.0005, 0.004, 0.016)
+]
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_contacts_make_no_energy(name):
-    """E(t) <= E(0), with steps of 0.5, 4 and 16 ms."""
+@pytest.mark.parametrize(("name", "dt"), CASES)
+def test_contacts_make_no_energy(name, dt):
+    """E(t) <= E(0)."""
     bodies, sheets = SCENES[name]
-    for dt in (0.004, 0.016, 0.0005):
-        least, first, most = extremes(scene(sheets, bodies, gravity=[0, -G, 0]), 0.4, dt)
-        assert most - first <= MADE * (first - least) + 1e-5 * abs(first), (name, dt)
+    least, first, most = extremes(scene(sheets, bodies, gravity=[0, -G, 0]), 0.4, dt)
+    assert most - first <= MADE * (first - least) + 1e-5 * abs(first)
 
 
 @pytest.mark.parametrize("seed", range(4))
