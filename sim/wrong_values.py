@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from sim.similar import suggestion
+
 BOUNDS = {
     "greater_than": ("greater than", "gt"),
     "greater_than_equal": ("at least", "ge"),
@@ -48,18 +50,20 @@ def said(message: str) -> tuple[str, str]:
     return wrong, remedy or "docs/scene-reference.md describes every setting"
 
 
-def reason(detail: Any) -> tuple[str, str]:
-    """The same of any error of pydantic's, as far as its kind alone tells."""
-    context = detail.get("ctx", {})
+def reason(detail: Any, unit: str = "") -> tuple[str, str]:
+    """The same of any error of pydantic's, as far as its kind alone tells; `unit` as it follows a number."""
+    context, shown = detail.get("ctx", {}), shown_as(detail["input"])
     if detail["type"] in BOUNDS:
         words, key = BOUNDS[detail["type"]]
-        return f"must be {words} {context[key]:g}{shown_as(detail['input'])}", f"give a number {words} {context[key]:g}"
+        bound = f"{words} {context[key]:g}{unit}"
+        return f"must be {bound}{shown}", f"give a number {bound}"
     if detail["type"] == "literal_error":
-        return f"must be {context['expected']}{shown_as(detail['input'])}", "write one of these"
+        allowed = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
+        return f"must be {context['expected']}{shown}", suggestion(str(detail["input"]), allowed)
     if detail["type"] == "quantity":
         return detail["msg"], context.get("remedy") or "give a plain number, or a quantity in a unit of that kind"
-    simple = KINDS.get(detail["type"])
-    if simple:
-        return f"{simple[0]}{shown_as(detail['input'])}", simple[1]
+    if detail["type"] in KINDS:
+        message, remedy = KINDS[detail["type"]]
+        return f"{message}{unit}{shown}", f"{remedy}{unit}"
     message, remedy = said(detail["msg"])
     return message, context.get("remedy") or remedy

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from sim.similar import similar, suggestion
-from sim.wrong_values import BOUNDS, KINDS, LIST, said, shown_as
+from sim.wrong_values import BOUNDS, KINDS, LIST, reason, shown_as
 from workflow import slips
 from workflow.document import Document, Location, dotted
 from workflow.levels import home, levels, misplaced
@@ -94,19 +94,15 @@ def _told(detail: Any, path: Location, document: Document, model: type[BaseModel
     if kind == "missing":
         return _missing(detail, path, in_unit, document, model)
     if kind in BOUNDS:
-        words, key = BOUNDS[kind]
-        millimetres = unit == "m" and "less" in kind and isinstance(given, int | float) and given / 1000 <= context[key]
-        meant = f", or '{given:g} mm' if millimetres were meant" if millimetres else ""
-        remedy = f"give a number {words} {context[key]:g}{in_unit}{meant}"
-        return f"must be {words} {context[key]:g}{in_unit}{shown}", remedy
+        message, remedy = reason(detail, in_unit)
+        most = context[BOUNDS[kind][1]]
+        millimetres = unit == "m" and "less" in kind and isinstance(given, int | float) and given / 1000 <= most
+        return message, f"{remedy}, or '{given:g} mm' if millimetres were meant" if millimetres else remedy
     if kind == "union_tag_invalid":
         tags = [tag.strip().strip("'") for tag in str(context["expected_tags"]).split(",")]
         return f"unknown type '{context['tag']}'", suggestion(str(context["tag"]), tags)
     if kind == "union_tag_not_found":
         return "missing its type", f"add `{context['discriminator'].strip(chr(39))}:` with the kind you want"
-    if kind == "literal_error":
-        allowed = context["expected"].replace("'", "").replace(" or ", ", ").split(", ")
-        return f"must be {context['expected']}{shown}", suggestion(str(given), allowed)
     if kind == "color" and context.get("remedy"):
         return f"is not a colour{shown}", context["remedy"]
     if kind == "quantity":
@@ -120,11 +116,7 @@ def _told(detail: Any, path: Location, document: Document, model: type[BaseModel
         return f"must end in .mp4{shown}", "give a path such as gallery/film.mp4"
     if KINDS.get(kind) is LIST and (items := levels(model).models((*path, 0))):
         return _list_of_groups(given, items[0], shown)
-    simple = KINDS.get(kind)
-    if simple:
-        message, remedy = simple
-        return f"{message}{in_unit}{shown}", f"{remedy}{in_unit}"
-    return said(detail["msg"])
+    return reason(detail, in_unit)
 
 
 def _list_of_groups(given: Any, item: type[BaseModel], shown: str) -> tuple[str, str]:

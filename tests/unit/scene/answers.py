@@ -18,9 +18,7 @@ MESSAGE = re.compile(
     r"^(?:\S*\.yaml:\d+: |  (?=warning: )|(?=--))(.*?)(?=^\S*\.yaml:|^\S+\.yaml \(|^  warning: |\Z)", re.M | re.S
 )
 SOURCE = re.compile(r"^ +\d+ \| .*\n?", re.M)
-
-
-TEMPORARY = re.compile(r"\S*/pytest-\d+/[^/\s'\]]*")
+TEMPORARY = re.compile(r"\S*/pytest-\d+/(?:popen-gw\d+/)?[^/\s'\]]*")
 LONGEST = 400
 """Letters of what was typed; what is longer, as nesting without end, shows nothing in a table."""
 

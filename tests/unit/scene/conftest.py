@@ -117,7 +117,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--answers", metavar="FILE", help="write what was typed and what it was answered, as Markdown")
 
 
-_answered: dict[str, list[tuple[str, str, str]]] = {}
+_answered: dict[str, list[tuple[str, list[str]]]] = {}
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
