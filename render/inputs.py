@@ -42,6 +42,15 @@ class Box:
 
 
 @dataclass(frozen=True)
+class Floor:
+    """What the action stands on: the height of the floor [m], None where planes make none, and how far over it the
+    middle of the thinnest cloth lies [m], None without cloth."""
+
+    height: float | None = None
+    cloth: float | None = None
+
+
+@dataclass(frozen=True)
 class Pose:
     """A rigid body in one frame, in Blender's axes: centre of mass [m], rotation (w, x, y, z),
     velocity [m/s] and angular velocity [rad/s]."""
@@ -62,7 +71,7 @@ class Inputs:
 
     def extent(self) -> Box:
         """The box of the action over the whole film; raises Unusable without it."""
-        path = self.simulation / "summary.json"
+        path = self._summary
         try:
             extent = json.loads(path.read_text())["extent"]
             low, high = z_up(extent["min"]), z_up(extent["max"])
@@ -75,6 +84,14 @@ class Inputs:
         if not 0 < box.diagonal < float("inf"):
             raise Unusable(f"{path}: the extent must have a size, found a diagonal of {box.diagonal} m")
         return box
+
+    def floor(self) -> Floor:
+        """What the action stands on; raises Unusable for a summary that says it otherwise."""
+        try:
+            return Floor(**json.loads(self._summary.read_text()).get("ground", {}))
+        except (OSError, ValueError, TypeError, AttributeError) as error:
+            what = f"{self._summary} has a ground without height and cloth"
+            raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
 
     def bodies(self) -> dict[str, Path]:
         """Meshes of the rigid bodies by name."""
@@ -121,6 +138,10 @@ class Inputs:
             what = f"{path} is not a table of rigid bodies: {error!r}"
             raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
         return wanted
+
+    @property
+    def _summary(self) -> Path:
+        return self.simulation / "summary.json"
 
     def _named(self, kind: str) -> dict[str, Path]:
         paths = sorted(self.simulation.glob(f"{kind}_*.ply"))

@@ -22,8 +22,10 @@ from render.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.world import add_world
 
 SUNK = 0.002
-"""How far the ground reaches into the action's box, over its diagonal: water that stands on it
-then meets it without a film of air, which would mirror."""
+"""How far water that stands on the ground is sunk into it, over the diagonal of the action's box: they then meet
+without a film of air, which would mirror."""
+SUNK_BESIDE_CLOTH = 0.5
+"""Likewise at most, over the height at which the middle of cloth lies on the ground: it hides no cloth."""
 
 
 class Scene:
@@ -91,10 +93,19 @@ class Scene:
         add_lights(settings.lights)
         add_world(settings.lights.environment, settings.background)
         if settings.ground.enabled:
-            height = settings.ground.height
-            if height is None:
-                height = visible.low[2] + SUNK * self.box.diagonal
-            add_ground(settings.ground, height, self.box, view)
+            add_ground(settings.ground, self._ground(visible), self.box, view)
+
+    def _ground(self, visible: Box) -> float:
+        """Height of the ground [m]: that of the scene's floor, or the lowest of what is drawn."""
+        if self.settings.ground.height is not None:
+            return self.settings.ground.height
+        floor = self.inputs.floor()
+        drawn = any(self._look(name, None) is not None for name in self.inputs.containers())
+        height = visible.low[2] if floor.height is None or drawn else floor.height
+        if self.inputs.surface is None:
+            return height
+        sunk = SUNK * self.box.diagonal
+        return height + (sunk if floor.cloth is None else min(sunk, SUNK_BESIDE_CLOTH * floor.cloth))
 
     def _add_containers(self) -> Box:
         """Add what the settings name; returns the box around the action and the walls."""

@@ -327,7 +327,7 @@ class Ground(Settings):
 
     enabled: bool = True
     height: Length | None = None
-    """[m]; without it, just below the lowest point of the action."""
+    """[m]; without it, that of the level plane among the bodies, or of the lowest point of the action."""
     material: Look = Matte(type="matte", color=srgb("#dcd6cc"))
 
 

@@ -24,6 +24,7 @@ from pydantic import ValidationError
 from sim import precision, runtime, signals
 from sim.checkpoint import Checkpoint, state_name
 from sim.command import end_with
+from sim.extent import filmed
 from sim.failure import Fault, Interrupted, Stopped, report
 from sim.files import Reserve, write_json
 from sim.output import Output
@@ -215,8 +216,7 @@ def _summary(run: Run, status: int, start_time: float, wall: float) -> dict[str,
         "simulated_s": round((run.good.clock.time if run.good else start_time) - start_time, 9),
         "wall_s": run.stopwatch.rounded() | {"total": round(wall, 4)},
         "particle_steps_per_s": round(run.particle_steps / stepping) if stepping > 0 else 0,
-        "extent": {"min": run.world.bounds[0].tolist(), "max": run.world.bounds[1].tolist()},
-    }
+    } | filmed(run.world)
 
 
 def _installed(name: str) -> bool:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sim.obstacles import Obstacles, find_obstacles
+from sim.extent import action_bounds
+from sim.obstacles import find_obstacles
 from sim.settings import Refused
 from sim.spec import Pressure, SimulationSpec
 
@@ -590,16 +591,3 @@ class World:
             lambda points, time: allowed(moving, points, START_CLEARANCE * self.spec.fluid.spacing, time),
             warn,
         )
-
-
-def action_bounds(sources: Sequence[Source | Outlet | PlacedSheet], obstacles: Obstacles) -> np.ndarray:
-    """Box around all that happens [m], shape [2, 3]: fluid, cloth, bodies, and containers as high as those."""
-    boxes = [np.array(box) for box in obstacles.box_bounds()]
-    inner = [np.asarray(source.bounds) for source in sources]
-    inner += [item.bounds for item in obstacles.placed]
-    inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
-    top = max(box[1][1] for box in inner)
-    for box in boxes:
-        box[1][1] = min(box[1][1], max(top, box[0][1]))
-    everything = np.array(inner + boxes)
-    return np.array([everything[:, 0].min(axis=0), everything[:, 1].max(axis=0)])

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from render.errors import Unusable
+from sim.extent import LEVEL, filmed
 from sim.geometry import assets
 from sim.names import resolve
 from sim.preview import Preview
@@ -100,7 +101,10 @@ def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:
 def _ground(scene: Scene, found: Preview) -> float:
     """Height of the ground that is drawn [m]; nowhere without one, or where things may fall for who knows how far."""
     ground = scene.render.ground
-    floors = [wall.offset for wall in found.world.obstacles.walls if wall.normal[1] > 0.999]
-    if not ground.enabled or (ground.height is None and not floors):
-        return -np.inf
-    return min(*floors, float(found.world.bounds[0][1])) if ground.height is None else ground.height
+    if not ground.enabled or ground.height is not None:
+        return ground.height if ground.enabled else -np.inf
+    found_there = filmed(found.world)
+    height = found_there["ground"]["height"]
+    if height is None and any(wall.normal[1] > LEVEL for wall in found.world.obstacles.walls):
+        height = found_there["extent"]["min"][1]
+    return -np.inf if height is None else height
