@@ -37,6 +37,9 @@ def gather(
     for k in range(pairs):
         a, b = pair[2 * k], pair[2 * k + 1]
         back = rotation_of(motion.rotation[a]).transpose()
+        middle = vec3(0.0)
+        for j in range(number[k]):
+            middle += found.at[k * MOST + j] / number[k]
         for j in range(number[k]):
             source, c = k * MOST + j, first[k] + j
             contacts.body[2 * c], contacts.body[2 * c + 1] = a, b
@@ -46,7 +49,7 @@ def gather(
             contacts.limit[c] = -dt * found.bend[source]
             if gap[c] > CLOSED * size[k]:
                 contacts.limit[c] -= (gap[c] - 0.5 * CLOSED * size[k]) / dt
-            contacts.carried[c] = _carried(motion, a, b, here, n, dt)
+            contacts.carried[c] = _carried(motion, a, b, middle, n, dt)
             contacts.friction[c] = material[3 * k]
             contacts.grip[c] = material[3 * k + 1]
             restitution[c] = material[3 * k + 2]
@@ -61,12 +64,13 @@ def gather(
 
 
 @ti.func
-def _carried(motion: ti.template(), a: ti.i32, b: ti.i32, here: vec3, n: vec3, dt: ti.f64) -> vec3:
-    """What the turning of both bodies adds to the relative velocity of their material where they touch, over dt [s]: it
-    goes along arcs, and not along the tangents that velocities at the start say [m/s].
+def _carried(motion: ti.template(), a: ti.i32, b: ti.i32, middle: vec3, n: vec3, dt: ti.f64) -> vec3:
+    """What the turning of both bodies adds to the relative velocity of their material in the middle of where they
+    touch, over dt [s]: it goes along arcs, and not along the tangents that velocities at the start say [m/s].
 
     Bodies turn there about the normal, each by itself, and together across it: by the lesser of the two, since the rest
-    is rolling, which has other material touch.
+    is rolling, which has other material touch. All contacts of a pair have the value of the middle: each with its own,
+    they would ask for what no motion of the bodies does, if one turns on the other until friction stops it.
     """
     spin_a, spin_b = motion.spin[a], motion.spin[b]
     along_a, along_b = n.dot(spin_a) * n, n.dot(spin_b) * n
@@ -74,8 +78,8 @@ def _carried(motion: ti.template(), a: ti.i32, b: ti.i32, here: vec3, n: vec3, d
     common = across_b
     if across_a.norm_sqr() < across_b.norm_sqr():
         common = across_a
-    arc_a = beyond(dt * (along_a + common), here - motion.position[a])
-    arc_b = beyond(dt * (along_b + common), here - motion.position[b])
+    arc_a = beyond(dt * (along_a + common), middle - motion.position[a])
+    arc_b = beyond(dt * (along_b + common), middle - motion.position[b])
     return (arc_a - arc_b) / dt
 
 

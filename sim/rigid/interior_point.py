@@ -13,7 +13,10 @@ are not symmetric for that, and no outer loop is needed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import splu
 
@@ -26,6 +29,9 @@ SOFT = 1e-3
 """|u_t| is rounded off below this share of the speed that is left for contacts to open or slide."""
 NARROW = 0.1
 """Where a step comes less far, it goes back to the middle between the cones' boundaries instead."""
+FEW = 20
+"""Contacts up to which matrices are full ones: sparse ones take longer to put together than to solve, and LAPACK uses
+one thread for these, whatever the machine has."""
 REFLECTION = np.array([1.0, -1.0, -1.0])
 UNIT = np.array([1.0, 0.0, 0.0])
 
@@ -50,7 +56,11 @@ def impulses(
     scale[:, 0] = 1 / np.where(friction > 0, friction, 1.0)
     scale[friction <= 0, 1:] = 0.0
     given = velocity * scale
-    matrix = (diags(mass * scale.ravel()) @ mobility @ diags(scale.ravel())).tocsr()
+    if count <= FEW:
+        mobility = mobility.toarray()
+        matrix = mass * scale.ravel()[:, None] * mobility * scale.ravel()
+    else:
+        matrix = (diags(mass * scale.ravel()) @ mobility @ diags(scale.ravel())).tocsr()
     fast = max(float(np.abs(given).max()), error)
     x, y = 0.1 * fast * np.tile(UNIT, (count, 1)), fast * np.tile(UNIT, (count, 1))
     nearest, best, since = np.inf, x, 0
@@ -66,7 +76,7 @@ def impulses(
                 break
             try:
                 x, y = _step(matrix, spots, given, x, y)
-            except RuntimeError:  # of splu: the equations are singular, by rounding near the end
+            except RuntimeError:  # the equations are singular, by rounding near the end
                 break
             if not (np.isfinite(x).all() and np.isfinite(y).all()):
                 break
@@ -87,7 +97,11 @@ def _off(
 
 
 def _step(
-    matrix: csr_matrix, spots: tuple[np.ndarray, np.ndarray], given: np.ndarray, x: np.ndarray, y: np.ndarray
+    matrix: csr_matrix | np.ndarray,
+    spots: tuple[np.ndarray, np.ndarray],
+    given: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """One iteration on x, y in Lorentz' cone with y = matrix x + given + |y_t| and x o y = 0.
 
@@ -108,14 +122,17 @@ def _step(
     both = _times(scaling, y)
     lift = np.tile(np.eye(3), (count, 1, 1))
     lift[:, 0, 1:] = toward
-    lift, own = (csr_matrix((blocks.ravel(), spots)) for blocks in (lift, unscaling @ unscaling))
-    system = (lift @ matrix + own).tocsc()
-    factors = splu(system)
+    if isinstance(matrix, np.ndarray):
+        raised = (lift @ matrix.reshape(count, 3, -1)).reshape(matrix.shape)
+    else:
+        raised = csr_matrix((lift.ravel(), spots)) @ matrix
+    system = _with_blocks(raised, unscaling @ unscaling, spots)
+    solve = _solver(system)
 
     def towards(aim: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         right = (_times(unscaling, _quotient(both, aim)) + lifted(missing)).ravel()
-        way = factors.solve(right)
-        way += factors.solve(right - system @ way)
+        way = solve(right)
+        way += solve(right - system @ way)
         return way.reshape(count, 3), lifted((matrix @ way).reshape(count, 3) - missing)
 
     ahead_x, ahead_y = towards(-_product(both, both))
@@ -129,6 +146,26 @@ def _step(
         way_x, way_y = towards(gap * UNIT - _product(both, both))
         far = min(1.0, SHY * min(_room(x, way_x), _room(y, way_y)))
     return x + far * way_x, y + far * way_y
+
+
+def _with_blocks(
+    matrix: csr_matrix | np.ndarray, blocks: np.ndarray, spots: tuple[np.ndarray, np.ndarray]
+) -> csr_matrix | np.ndarray:
+    """A matrix and what acts on each contact by itself, shape [n, 3, 3], as one; a full one is changed."""
+    if isinstance(matrix, np.ndarray):
+        matrix[spots] += blocks.ravel()
+        return matrix
+    return matrix + csr_matrix((blocks.ravel(), spots))
+
+
+def _solver(system: csr_matrix | np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """What solves equations with this matrix; raises RuntimeError for a singular one."""
+    if isinstance(system, np.ndarray):
+        factors = lu_factor(system, check_finite=False)
+        if not np.diagonal(factors[0]).all():
+            raise RuntimeError("singular")
+        return lambda right: lu_solve(factors, right, check_finite=False)
+    return splu(system.tocsc()).solve
 
 
 def _scaling(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

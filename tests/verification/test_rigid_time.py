@@ -81,6 +81,31 @@ def test_a_crate_on_a_turntable_rides_for_ever(simulate):
     assert np.arctan2(-z, x) == pytest.approx(np.angle(np.exp(1j * speed * np.arange(seconds + 1))), abs=1e-6)
 
 
+@pytest.mark.parametrize("size", [(0.2, 0.2, 0.2), (0.6, 0.02, 0.3)])
+def test_what_is_turned_on_a_turntable_is_held_in_few_sweeps(size):
+    """As water turns a box that floats on another one, and friction stops it again, step by step. Where the four
+    corners of a face go along arcs of their own, no motion of the box stops all of them, and sweeps only shift impulses
+    between them."""
+    table = box((2, 0.1, 2), position=[0, -0.05, 0], angular_velocity=[0, 2, 0]) | {"motion": "prescribed"}
+    bodies = part({"crate": box(size, position=[0.3, size[1] / 2, 0], density=300), "table": table})
+    inertia = bodies.mass[0] * (size[0] ** 2 + size[2] ** 2) / 12
+    bodies.velocity[0], bodies.spin[1] = (0, 0, -0.6), (0, 2, 0)
+    sweeps = []
+
+    def turn_on(by: float) -> None:
+        bodies.kick(np.zeros((2, 3)), np.array([[0, inertia * by, 0], [0, 0, 0]]))
+
+    def nudge(_: float) -> None:
+        sweeps.append(bodies.told["contact_iterations"])
+        assert bodies.told["contacts_capped"] == 0
+        assert bodies.spin[0, 1] == pytest.approx(2, abs=1e-7)
+        turn_on(0.01)
+
+    turn_on(2)
+    step(bodies, 0.4, nudge, dt=0.004)
+    assert max(sweeps) < 50
+
+
 def test_a_crate_on_a_ramp_that_tips_stays_where_it_is(simulate):
     """The ramp turns by 17 degrees about an axis two metres away, with a crate that friction holds."""
     spin, start = 0.5, np.array([2, 0.15, 0])
