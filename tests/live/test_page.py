@@ -130,11 +130,11 @@ def test_what_is_done_in_the_page_happens_and_replays(stage, browser, simulate, 
     browser.turn_to("Play")
     browser.press("Play")
     session.watched = False  # Chromium draws on the cores that simulate.
-    stage.until(lambda session: session.clock.frame >= 75, 300)
+    stage.until(lambda session: session.clock.frame >= 44, 300)
     browser.press("Pause")
     stage.until(lambda session: session.status.mode == "paused")
     session.watched = True
-    assert mean_height(stage, "added1", 40) == pytest.approx(0.3, abs=0.04), "half the density: to a particle's size"
+    assert mean_height(stage, "added1", 34) == pytest.approx(0.3, abs=0.04), "half the density: to a particle's size"
     browser.turn_to("Add")
     browser.press("Remove")
     stage.until(lambda session: session.waiting or "added1" not in session.spec.rigid.bodies)

@@ -15,7 +15,7 @@ from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from tests.particles import read_frame, read_table
-from tests.solvers import ITERATIVE, SOLVERS, STRESSED
+from tests.solvers import SOLVERS, STRESSED
 from tests.stress.scenes import assert_nothing_broken, contents, failure, finish, make_faults, pool, run_segment
 
 DOWN = [{"axis": [1, 0, 0], "angle": 180}]
@@ -160,7 +160,7 @@ def test_an_outlet_in_a_full_box_blows_up_no_solver(tmp_path, solver, speed):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", ("wcsph", *ITERATIVE))
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iisph")])
 def test_a_stream_is_let_go_where_nothing_gives_way(simulate, solver):
     """A shaft as wide as the stream, with room for four layers and an outlet in its lid: led on to the end of the
     nozzle, the third layer would come half a spacing near to the second, which a run does not survive."""

@@ -204,6 +204,7 @@ def test_particles_fly_off_without_bound(simulate):
 
 
 @pytest.mark.outcome("A")
+@pytest.mark.slow
 def test_fluid_stays_in_a_round_container(simulate, tmp_path):
     """The inside of a closed mesh: no particle leaves a sphere."""
     trimesh.creation.icosphere(subdivisions=3, radius=0.2).export(tmp_path / "ball.obj")

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from tests.solvers import STRESSED
+from tests.in_time import in_time
 from tests.stress.scenes import assert_nothing_broken
 
 MOST = 1000
 """Bytes a particle."""
 
 
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
 def test_a_particle_takes_a_kilobyte_at_most(simulate, solver):
     """27 000 particles in half of a box with plane walls, whose lists have grown as far as they will at rest."""
     side = 0.6

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from tests.in_time import in_time
 from tests.solvers import STRESSED
 from tests.stress.scenes import contents, make_faults, pool, run_segment
 from tests.stress.test_resume import IN_FRAME_4, assert_continued
@@ -63,7 +62,8 @@ def test_a_repeated_frame_is_as_if_it_were_the_first_try(simulate, monkeypatch):
     assert first == contents(outs[0], "bodies.csv")
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph")])
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", ["dfsph", "wcsph"])
 def test_threads_do_not_matter(tmp_path, solver):
     outs = []
     for threads in (1, 2):

@@ -78,7 +78,8 @@ def test_a_body_on_the_ground_weighs_less_by_its_water(simulate, solver):
     assert track(out, "y")[30:] == pytest.approx(np.full(31, 0.06), abs=1e-4)
 
 
-@ALL_IN_TIME
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_a_light_body_comes_up_from_the_ground(simulate, solver):
     """It lies flat, and would stay down if nothing pressed on its bottom."""
     body = {"shape": BRICK, "position": [0, 0.06, 0], "motion": "dynamic", "density": 0.5 * RHO}

@@ -8,7 +8,7 @@ import trimesh
 
 from tests.in_time import in_time
 from tests.particles import positions, read_frame, velocities
-from tests.solvers import STRESSED, probe, steps
+from tests.solvers import SOLVERS, STRESSED, probe, steps
 
 RHO, G, D = 1000.0, 9.81, 0.02
 SIDE = 0.12
@@ -190,7 +190,8 @@ def test_a_can_that_spins_without_friction_leaves_the_water_at_rest(simulate, tm
     assert 0.8 < turned["no_slip"] < 1.0
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_the_force_on_a_full_tank_that_speeds_up(simulate, tmp_path, solver):
     """Water that fills a closed tank moves with it: the tank bears m (g - a), in the mean over whole keyframes.
 

@@ -57,7 +57,7 @@ def pool(probes: dict) -> dict:
 
 @pytest.fixture(scope="module")
 def at_rest(tmp_path_factory):
-    """What probes read in a pool that comes to rest, in 0.6 s."""
+    """What probes read in a pool that comes to rest, in 0.5 s."""
     from sim.segment import simulate
     from sim.spec import SimulationSpec
 
@@ -69,7 +69,7 @@ def at_rest(tmp_path_factory):
     probes["whole"] = {"type": "force", "body": "block", "rate": 50, "mean": True}
     folder = tmp_path_factory.mktemp("pool")
     spec = SimulationSpec.model_validate(pool(probes))
-    assert simulate(spec, folder, folder / "out", first=0, last=30, arch="cpu", quiet=True, threads=1) == 0
+    assert simulate(spec, folder, folder / "out", first=0, last=25, arch="cpu", quiet=True, threads=1) == 0
     return read(folder / "out")
 
 

@@ -18,6 +18,7 @@ SHAPES = {
     "mesh": MeshFile(type="mesh", file="pymeshfix:examples/StanfordBunny.ply", size=0.5, anchor="center"),
 }
 PLACEMENT = Placement(position=(1, 2, 3), rotation=({"axis": (1, 2, 3), "angle": 40},))
+ALL_IN_TIME = pytest.mark.parametrize("name", [*(name for name in SHAPES if name != "mesh"), *in_time("mesh")])
 
 
 def _contact_shape(name: str):
@@ -51,7 +52,7 @@ def _lookup(shape, points: np.ndarray) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize("name", [*(name for name in SHAPES if name != "mesh"), *in_time("mesh")])
+@ALL_IN_TIME
 def test_distances_and_directions(name):
     """Exact but for a mesh, whose grid is right to a share of its cell, and beyond it no less than the distance.
 
@@ -74,7 +75,7 @@ def test_distances_and_directions(name):
     assert np.mean(growth > 0.8) > 0.95
 
 
-@pytest.mark.parametrize("name", SHAPES)
+@ALL_IN_TIME
 def test_features_lie_on_the_surface(name):
     from sim.rigid.shapes import AXIS, CIRCLE
 
