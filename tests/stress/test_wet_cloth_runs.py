@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.particles import read_table
@@ -50,3 +51,19 @@ def test_a_jet_pushes_a_flag():
     assert number == 0
     assert points[:, 1].max() == pytest.approx(0.25)
     assert points[:, 2].mean() < -0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mass", [0.1, 3.6, 30])
+def test_a_ball_into_the_pinned_edge_of_a_net_that_holds_water_makes_no_energy(simulate, mass):
+    """E(t) <= E(s) for all s < t: of water, net and ball, to the error of a net's forces (`force_error`, 1 %)."""
+    water = {"shape": {"type": "box", "size": [0.35, 0.05, 0.35]}, "position": [0, 0.06, 0]}
+    net = {"shape": {"type": "sheet", "size": [0.6, 0.6]}, "spacing": 0.04, "rest_scale": 1.2, "thickness": 0.006,
+           "mass_per_area": 0.4, "stretch_stiffness": 5000, "pins": ["left", "right", "front", "back"]}  # fmt: skip
+    ball = {"shape": {"type": "sphere", "radius": 0.06}, "motion": "dynamic", "mass": mass,
+            "position": [-0.2, 0.25, -0.05], "velocity": [-0.35, 0, -0.3]}  # fmt: skip
+    table = read_table(simulate(scene("dfsph", water, net, rigid={"bodies": {"ball": ball}}), 50) / "steps.csv")
+    energy = sum(table[name] for name in table.dtype.names if name.endswith("_energy"))
+    lowest = np.minimum.accumulate(energy)
+    assert (energy - lowest).max() <= 0.01 * (energy[0] - lowest[-1])
+    assert table["cloth_contacts"].max() > 0, "the ball meets the net"
