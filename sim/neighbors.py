@@ -130,6 +130,11 @@ class NeighborList:
         if count > self._rows:
             self._allocate(int(GROWTH * count) if self._rows > 1 else count)
 
+    def clear(self, count: int) -> None:
+        """Hold lists of `count` points that have no neighbours."""
+        self.reserve(count)
+        self.size.fill(0)
+
     def forget(self, count: int) -> None:
         """Hold rows for `count` points of whose neighbours nothing is known but that they may have some."""
         self.reserve(count)

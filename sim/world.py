@@ -170,6 +170,7 @@ class World:
         if self.rigid:
             self.rigid.awaits_cloth = bool(self.cloth)
         if state is None:
+            self._leave_fluid()
             return
         from sim.coupling.fluid_rigid import boundary_solids
         from sim.fluid.part import FluidPart, Surroundings
@@ -365,6 +366,8 @@ class World:
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
         told = {}
+        if self.fluid and not self.fluid.count:
+            self._leave_fluid()
         if self.rigid and not together:
             told = self.rigid.advance(dt, moved)
             self._follow()
@@ -383,6 +386,11 @@ class World:
             self._follow()
         self.time = until
         return told
+
+    def _leave_fluid(self) -> None:
+        for part in (self.rigid, self.cloth):
+            if part:
+                part.leave_fluid()
 
     def release(self, after: SimulationSpec) -> None:
         """Let go of bodies that touch what `after`, from now on, has otherwise or no longer."""

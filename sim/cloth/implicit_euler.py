@@ -67,6 +67,8 @@ class ImplicitEuler:
         self._start = mesh.points.position
         self._adrift = Adrift(mesh)
         self._solids = integers(np.arange(mesh.count, mesh.total))
+        self._pushed = False
+        """Whether others act on points in the step."""
         self._falls, self._rests = numbers(self._adrift.free), numbers(np.zeros(mesh.count))
 
     def limits(self) -> dict[str, float]:
@@ -80,10 +82,11 @@ class ImplicitEuler:
 
     def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
-        if load is None and self._foresee_alone(dt):
+        self._pushed = load is not None
+        if not self._pushed and self._foresee_alone(dt):
             return
         self._begin(dt, 1.0, 0.0, dt)
-        if load is not None:
+        if self._pushed:
             newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
         self.collisions.find(self._start, self.trial.place)
         self._carry(self.collisions.loose.places)
@@ -162,7 +165,8 @@ class ImplicitEuler:
         )
         past = self.past
         newton_sums.finish(mesh.count, mesh.total, dt, self._since, past.position, past.velocity, mesh.points, trial)
-        past.step = 0.0 if collisions.count or held_back else dt
+        # Differences over two steps would let what pushed in the first act on in the second.
+        past.step = 0.0 if collisions.count or held_back or self._pushed else dt
         if back is not None:
             newton_sums.quicken(mesh.count, -dt, back, mesh.points)
         return dict(zip(self.STATISTICS, values, strict=True))

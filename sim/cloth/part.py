@@ -20,7 +20,7 @@ from sim.cloth.solids import Solids
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.cloth.state import ClothState
 from sim.cloth.surfaces import Surface
-from sim.cloth.tables import integers, vectors
+from sim.cloth.tables import clear, integers, vectors
 from sim.settings import Refused
 
 
@@ -158,6 +158,10 @@ class ClothPart:
         self.stuck = int(told.get("cloth_stuck", 0))
         self.unsolved = told.get("cloth_unsolved", 0) > 0
         return told
+
+    def leave_fluid(self) -> None:
+        """Feel nothing more of what fluid did in the last step: there is none now."""
+        clear(self.fluid_force)
 
     def settle_solids(self, places: np.ndarray) -> None:
         """Say where points of solids came to be [m], since bodies gave way."""

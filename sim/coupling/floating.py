@@ -67,6 +67,7 @@ class Floating:
         self._movements = movements
         if not self.system.count:
             # Until there is fluid, bodies are stepped without it.
+            self._steady = np.zeros_like(self._steady)
             self.pose()
 
     def hear(self, momentum: Momentum) -> None:

@@ -145,6 +145,9 @@ class SheetReaction:
         """List the particles near each sample, as the particles' lists are made."""
         system, sheets = self.system, self.sheets
         position = system.particles.position
+        if not system.count:
+            self.near.clear(sheets.count)
+            return
         self.near.build(sheets.here, sheets.count, system.grid, position, same=False)
         sheet_sums.face(sheets.count, sheets.facing, position, self.near.size, self.near.index)
 

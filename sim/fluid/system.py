@@ -245,6 +245,8 @@ class FluidSystem:
         """
         self._way_left -= way
         if not self.count:
+            if self.bodies:
+                self.bodies.list()
             return
         if self._way_left > 0:
             self.meet(since=dt)

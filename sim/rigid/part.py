@@ -263,6 +263,11 @@ class RigidPart:
         turned = _matrices(self.rotation) @ self._placed.transpose(0, 2, 1)
         return np.concatenate((turned.reshape(-1, 9), self.position, self.velocity, self.spin), axis=1)
 
+    def leave_fluid(self) -> None:
+        """Feel nothing more of what fluid did in the last step: there is none now."""
+        for done in (self.fluid_force, self.fluid_torque, self.fluid_hold, self.led):
+            done.fill(0)
+
     def _move(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Forces, contacts, and where they take bodies; what bounces and overlaps is left to do."""
         self.told = dict.fromkeys(STATISTICS, 0)
