@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.sparse import csr_matrix, diags
 from scipy.sparse.linalg import splu
 
@@ -161,10 +161,10 @@ def _with_blocks(
 def _solver(system: csr_matrix | np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
     """What solves equations with this matrix; raises RuntimeError for a singular one."""
     if isinstance(system, np.ndarray):
-        factors = lu_factor(system, check_finite=False)
-        if not np.diagonal(factors[0]).all():
+        factors, pivots, singular = dgetrf(system)
+        if singular:
             raise RuntimeError("singular")
-        return lambda right: lu_solve(factors, right, check_finite=False)
+        return lambda right: dgetrs(factors, pivots, right)[0]
     return splu(system.tocsc()).solve
 
 
