@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -18,7 +21,6 @@ ENDS = {
     "drained": lambda scene: scene["fluid"].update(drains={"all": ALL}),
     "taken away": lambda scene: scene.update(events=[{"at": (GONE - 0.5) / FPS, "remove": ["water"]}]),
 }
-SOLVERS = ["dfsph", "wcsph", *in_time("iisph", "pcisph")]
 
 
 def scene(solver, water=None, **things):
@@ -40,19 +42,25 @@ def cloth():
 def speeds(out, frames, of):
     """Upward, of the centre of mass [m/s]."""
     if of is ball:
-        table = read_table(out / "bodies.csv")
-        return table["vy"][frames]
+        return read_table(out / "bodies.csv")["vy"][frames]
     mass = point_masses(read_sheet(out, 0)[0], 0.3)
     return np.array([np.average(read_sheet(out, k)[1][:, 1], weights=mass) for k in frames])
 
 
+MET = pytest.mark.parametrize(
+    ("solver", "of"),
+    [
+        *itertools.product(("dfsph", "wcsph"), (ball, cloth)),
+        *in_time(("iisph", ball), ("iisph", cloth), ("pcisph", ball)),
+    ],
+)
+"""What is beside the water: pcisph refuses cloth."""
+
+
 @pytest.mark.parametrize("end", ENDS)
-@pytest.mark.parametrize("of", [ball, cloth])
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_what_water_has_thrown_up_falls_freely_once_it_is_gone(simulate, solver, of, end):
+@MET
+def test_what_water_has_pushed_falls_freely_once_it_is_gone(simulate, solver, of, end):
     """dv = -g t. The force of the last step that had fluid went on acting: a ball rose at 8 m/s^2 for ever."""
-    if of is cloth and solver == "pcisph":
-        pytest.skip("refused beside cloth")
     made = scene(solver, **of())
     ENDS[end](made)
     out = simulate(made, 12)
@@ -63,12 +71,9 @@ def test_what_water_has_thrown_up_falls_freely_once_it_is_gone(simulate, solver,
     assert found - found[0] == pytest.approx(-G * np.arange(13 - GONE) / FPS, abs=1e-6)
 
 
-@pytest.mark.parametrize("of", [ball, cloth])
-@pytest.mark.parametrize("solver", SOLVERS)
+@MET
 def test_what_falls_before_there_is_water_falls_freely(simulate, solver, of):
     """A tap is opened after 60 ms; what it pours on then holds up what it meets, or pushes it down."""
-    if of is cloth and solver == "pcisph":
-        pytest.skip("refused beside cloth")
     tap = {"shape": {"type": "disc", "radius": 0.06}, "speed": 1.5, "position": [0, 1, 0], "start": 0.06,
            "rotation": [{"axis": [1, 0, 0], "angle": 180}]}  # fmt: skip
     made = scene(solver, {}, **of())
@@ -81,8 +86,6 @@ def test_what_falls_before_there_is_water_falls_freely(simulate, solver, of):
 @pytest.mark.parametrize("of", [ball, cloth])
 def test_lists_of_what_is_near_are_empty_where_there_is_no_fluid(of):
     """They were not made, and read all the same where pressures follow from positions: one run in many crashed."""
-    from pathlib import Path
-
     from sim.spec import SimulationSpec
     from sim.stepping import Run
 
