@@ -82,7 +82,7 @@ def falls_right(made, dt, steps, swing):
 
 @pytest.mark.outcome("A")
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("dt", STEPS)
+@pytest.mark.parametrize("dt", decades([1e-3, 1 / 30], [1e-5]))
 @pytest.mark.parametrize("stiffness", decades(STIFFNESS, MORE_STIFFNESS))
 def test_any_stiffness_and_step(integrator, dt, stiffness):
     made = part({"sheet": square(stretch_stiffness=stiffness, rest_scale=0.9)}, integrator=integrator)
@@ -115,7 +115,7 @@ def test_the_most_damping(integrator, dt, stiffness):
     [
         ("implicit_euler", 1e4, 1 / 30),
         ("symplectic_euler", 1e4, 1 / 30),
-        *((name, 1e8, dt) for name in INTEGRATORS for dt in (1e-3, 1 / 30)),
+        *in_time(*((name, 1e8, dt) for name in INTEGRATORS for dt in (1e-3, 1 / 30))),
     ],
 )
 def test_three_hundred_percent_of_stretch(integrator, stiffness, dt):
@@ -347,7 +347,7 @@ def test_refused(tmp_path, capsys, changes, field, remedy):
 @pytest.mark.parametrize(
     ("integrator", "stiffness", "slack", "expected"),
     [
-        ("implicit_euler", 1e8, 1.0, 0),
+        *in_time(("implicit_euler", 1e8, 1.0, 0)),
         ("implicit_euler", 1e4, 0.25, 0),
         ("implicit_euler", 1e8, 0.25, 3),
         ("symplectic_euler", 1e6, 0.25, 0),

@@ -153,7 +153,7 @@ def test_check_tells_the_volume(size, told):
     assert bool(found.cautions) == (size[1] < 0.0198)
 
 
-@pytest.mark.parametrize("container", ["box", "glass"])
+@pytest.mark.parametrize("container", ["box", *in_time("glass")])
 def test_filled_containers_come_to_rest(tmp_path, container):
     """The water begins where it stays: nothing is flung up, out or lost; the surface keeps its height."""
     if container == "box":

@@ -137,7 +137,7 @@ def lone(name, ratio):
         or (name == "wedge" and ratio in (4.5, 6.0))
     )
     known = pytest.mark.xfail(strict=True, reason="a lone particle gets a little into an edge of a mesh")
-    marks = [known] * within + [pytest.mark.slow] * (ratio in MORE)
+    marks = [known] * within + [pytest.mark.slow] * (ratio in MORE or name in ("rod", "wedge"))
     return pytest.param(name, ratio, marks=marks)
 
 
@@ -285,7 +285,7 @@ def crumpled(deep, wave):
     return ball
 
 
-@pytest.mark.parametrize(("deep", "wave"), [(0.5, 8.0), (0.7, 5.0), (1.0, 8.0), (1.2, 12.0)])
+@pytest.mark.parametrize(("deep", "wave"), [(0.5, 8.0), *in_time((0.7, 5.0), (1.0, 8.0), (1.2, 12.0))])
 def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep, wave):
     """Or a particle would go on into it until nodes see it that are nearer, and be shot out: that stopped a film.
 
@@ -357,7 +357,7 @@ def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     assert faces.excess.to_numpy()[:count].max() < 1e-6
 
 
-@pytest.mark.parametrize(("sides", "taper", "length"), [(5, 0.9, 1.0), (6, 0.8, 1.7), (7, 0.7, 1.0)])
+@pytest.mark.parametrize(("sides", "taper", "length"), [(5, 0.9, 1.0), *in_time((6, 0.8, 1.7), (7, 0.7, 1.0))])
 def test_beside_the_edges_of_a_hull_no_face_is_told_that_is_not_there(tmp_path, sides, taper, length):
     """As that of the plane of a wall above its rim, which shot particles off: the surface is where a half-space has it,
     unless that point is in the solid, as beyond the edge of two walls. Not once in a thousand is it off by d / 5, and
