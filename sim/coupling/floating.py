@@ -66,7 +66,7 @@ class Floating:
         are aimed there already."""
         self._movements = movements
         if not self.system.count:
-            # Until there is fluid, bodies are stepped without it.
+            # While there is no fluid, bodies are stepped without it.
             self._steady = np.zeros_like(self._steady)
             self.pose()
 
