@@ -14,7 +14,12 @@ min_version("9.0")
 report: "workflow/report/workflow.rst"
 
 
-catalog = Catalog(Path(workflow.basedir), config, workflow.resource_settings.cores or os.cpu_count() or 1)
+catalog = Catalog(
+    Path(workflow.basedir),
+    config,
+    workflow.resource_settings.cores or os.cpu_count() or 1,
+    lambda: workflow.dryrun,
+)
 
 
 localrules:

@@ -11,14 +11,14 @@ import time
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
 from render.progress import Progress
 from render.spec import RenderSpec
 from sim.command import end_with
+from sim.settings import Refused
 from sim.signals import at_once
+from sim.spec_option import HELP, read_spec
 from workflow.manifest import spoiled
 
 EXAMPLE = """\
@@ -26,7 +26,8 @@ example: the first two seconds of a film, after its simulation and reconstructio
   python -m render --spec '{"samples": 16}' --simulation run/sim --surface run/surface \\
       --frames 0:47 --out run/frames
 
---spec takes JSON or the name of a JSON file: the `render:` section of a scene; '{}' is all defaults.
+--spec takes the `render:` section of a scene as JSON, the name of a file with it, or - for standard input;
+'{}' is all defaults.
 It writes run/frames/00000.png ... 00047.png and run/frames/summary.json.
 With --save-blend scene.blend the first frame can be opened and changed in Blender.
 
@@ -119,15 +120,11 @@ def _export_path(name: str | None) -> str | None:
     return os.path.abspath(name)
 
 
-def _load_spec(text: str) -> RenderSpec:
+def _load_spec(given: str) -> RenderSpec:
     try:
-        source = text if text.lstrip().startswith("{") else Path(text).read_text()
-        return RenderSpec.model_validate_json(source)
-    except OSError as error:
-        raise Unusable(f"--spec: can not read {text}: {error.strerror}") from error
-    except ValidationError as error:
-        lines = (f"{'.'.join(map(str, part['loc'])) or '--spec'}: {part['msg']}" for part in error.errors())
-        raise Unusable("refused\n  " + "\n  ".join(lines)) from error
+        return read_spec(RenderSpec, given)
+    except Refused as refused:
+        raise Unusable(str(refused)) from None
 
 
 def _make_folder(name: str) -> Path:
@@ -164,7 +161,7 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="the render settings, as JSON or a JSON file")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--simulation", required=True, metavar="DIR", help="folder that the simulation wrote")
     parser.add_argument("--surface", metavar="DIR", help="folder of the water's surfaces; left out for a dry scene")
     parser.add_argument("--foam", metavar="DIR", help="folder of its foam; left out for a scene without")

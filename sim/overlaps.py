@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator, Sequence
 
 import numpy as np
 
+from sim.geometry.broad_phase import near_pairs
 from sim.geometry.distance import cover
 from sim.obstacles import Obstacle, Obstacles
 
@@ -26,20 +27,35 @@ def overlaps(obstacles: Obstacles) -> list[tuple[str, str, float]]:
 
 
 def _meetings(obstacles: Obstacles, dynamic: dict[int, Obstacle]) -> Iterator[tuple[str, str, float, float]]:
-    for index, item in dynamic.items():
+    hollow = [item for item in obstacles.placed if item.hollow]
+    for item in dynamic.values():
         for wall in obstacles.walls:
             lowest = float((item.solid.mesh.vertices @ wall.normal).min())
             yield item.name, wall.body, wall.offset - lowest, item.size
-        for place, other in enumerate(obstacles.placed):
-            if place != index and not (place in dynamic and place < index):
-                yield item.name, other.name, _depth(item, other), min(item.size, other.size)
+        for other in hollow:
+            yield item.name, other.name, _depth_in_wall(item, other), min(item.size, other.size)
+    for one, other in _near(obstacles.placed, dynamic):
+        yield one.name, other.name, _depth(one, other), min(one.size, other.size)
+
+
+def _near(placed: Sequence[Obstacle], dynamic: Container[int]) -> Iterator[tuple[Obstacle, Obstacle]]:
+    """Pairs of solids whose boxes meet, the first of which obeys forces."""
+    full = [place for place, item in enumerate(placed) if not item.hollow]
+    bounds = np.array([placed[place].solid.bounds for place in full]).reshape(-1, 2, 3)
+    free = np.array([place in dynamic for place in full], dtype=bool)
+    for pair in near_pairs(bounds[:, 0], bounds[:, 1], free):
+        one, other = (full[index] for index in pair)
+        yield (placed[one], placed[other]) if one in dynamic else (placed[other], placed[one])
+
+
+def _depth_in_wall(one: Obstacle, hollow: Obstacle) -> float:
+    """How deep a surface comes into the wall of a container [m], 0 where it is within."""
+    points = _surface(one, np.array([np.full(3, -np.inf), np.full(3, np.inf)]))
+    return max(float(hollow.solid.signed_distance(points).max()), 0.0)
 
 
 def _depth(one: Obstacle, other: Obstacle) -> float:
     """How deep the surface of one of them comes into the other [m], 0 where they are apart."""
-    if other.hollow:
-        points = _surface(one, np.array([np.full(3, -np.inf), np.full(3, np.inf)]))
-        return max(float(other.solid.signed_distance(points).max()), 0.0)
     low, high = (np.array([item.solid.bounds[side] for item in (one, other)]) for side in (0, 1))
     common = np.array([low.max(axis=0), high.min(axis=0)])
     if np.any(common[0] >= common[1]):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import signal
 import sys
 import tempfile
@@ -18,8 +17,6 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
-
-from pydantic import ValidationError
 
 from sim import precision, runtime, signals
 from sim.checkpoint import Checkpoint, state_name
@@ -33,6 +30,7 @@ from sim.settings import Refused
 from sim.shortfalls import Work, shortfalls
 from sim.signals import INTERRUPTED
 from sim.spec import SimulationSpec
+from sim.spec_option import HELP, read_spec
 from sim.stepping import Run
 
 DONE, REFUSED, STOPPED = 0, 2, 3
@@ -253,7 +251,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m sim.segment", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, help="settings of the simulation as JSON, or @FILE that holds them")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--folder", type=Path, required=True, help="folder that relative asset paths start from")
     parser.add_argument("--frames", type=frame_range, required=True, metavar="A:B", help="frames to write")
     parser.add_argument("--resume", type=Path, metavar="STATE", help="state after frame A-1")
@@ -264,7 +262,7 @@ def main(arguments: list[str] | None = None) -> int:
     first, last = options.frames
     return guarded(
         lambda: simulate(
-            _read_spec(options.spec),
+            read_spec(SimulationSpec, options.spec),
             options.folder,
             options.out,
             first=first,
@@ -274,18 +272,6 @@ def main(arguments: list[str] | None = None) -> int:
             arch=options.arch,
         )
     )
-
-
-def _read_spec(given: str) -> SimulationSpec:
-    """The settings from JSON text, or from the file @FILE; raises Refused."""
-    try:
-        text = Path(given[1:]).read_text() if given.startswith("@") else given
-        return SimulationSpec.model_validate(json.loads(text))
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise Refused(first["msg"], location=first["loc"], remedy="mend the settings given with --spec") from None
-    except (OSError, ValueError) as error:
-        raise Refused(f"--spec can not be read: {error}", remedy="give JSON, or @FILE") from None
 
 
 if __name__ == "__main__":

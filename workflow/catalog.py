@@ -29,8 +29,8 @@ KEEP = ("all", "film")
 class Catalog(JobLookup):
     """Plans of the scenes, each made once."""
 
-    def __init__(self, root: Path, config: Mapping[str, Any], cores: int = 1):
-        super().__init__()
+    def __init__(self, root: Path, config: Mapping[str, Any], cores: int = 1, dry: Callable[[], bool] = lambda: True):
+        super().__init__(dry)
         self._root = root
         self._plans: dict[tuple[str, str | None], Plan] = {}
         self._digests: Digests = {}

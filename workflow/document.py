@@ -22,9 +22,9 @@ from workflow.slips import of_comment
 
 Location = tuple[str | int, ...]
 
-MAX_BYTES = 1_000_000
+MAX_BYTES = 10_000_000
 MAX_DEPTH = 40
-MAX_VALUES = 100_000
+MAX_VALUES = 1_000_000
 """Bounds of a scene: they stop what is no scene, and aliases that expand without end."""
 
 

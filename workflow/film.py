@@ -5,7 +5,8 @@ example: the film of two blocks of frames
       --frames-from run/frames/000 run/frames/001 --simulation run/simulation --out renders/splash
 
 It writes splash.mp4, frames/00000.png ..., contact.png and summary.json; with --simulation also
-steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON or the name of a JSON file.
+steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON, the name of a file with it, or -
+for standard input.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
 """
@@ -21,8 +22,9 @@ from pathlib import Path
 
 from sim.command import end_with
 from sim.settings import Refused
+from sim.spec_option import HELP, read_spec
 from workflow.film_spec import FilmJobSpec
-from workflow.stage import Stopwatch, exit_code, read_spec, refuse_spoiled, write_json, write_whole
+from workflow.stage import Stopwatch, exit_code, refuse_spoiled, write_json, write_whole
 
 
 def run(
@@ -139,7 +141,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.film", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     folders = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
     parser.add_argument("--frames-from", **{**folders, "nargs": "+"}, required=True, help="folders with 00000.png ...")
     parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")

@@ -4,10 +4,11 @@ example: foam of the first second of a simulation with particles of 1 cm radius
   python -m workflow.foam --spec '{"particle_radius": 0.01, "support_radius": 0.04, "fps": 24}' \\
       --simulation run/simulation --frames 0:24 --out run/foam
 
---spec takes JSON or the name of a JSON file: particle_radius [m] and support_radius [m] of the fluid, fps, gravity,
-walls, and `foam`, the section of that name of a scene. Rigid bodies are read from the folders of the simulation. Frame
-0 has no foam; frames that begin later go on from --resume, the folder with the foam of the frame before. The points
-carry velocities (vx vy vz), radius, life (what is left [s]) and kind (0 spray, 1 foam, 2 bubble).
+--spec takes JSON, the name of a file with it, or - for standard input: particle_radius [m] and support_radius [m] of
+the fluid, fps, gravity, walls, and `foam`, the section of that name of a scene. Rigid bodies are read from the folders
+of the simulation. Frame 0 has no foam; frames that begin later go on from --resume, the folder with the foam of the
+frame before. The points carry velocities (vx vy vz), radius, life (what is left [s]) and kind (0 spray, 1 foam, 2
+bubble).
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
 """
@@ -25,9 +26,10 @@ from sim.command import end_with
 from sim.foam.spec import FoamJobSpec
 from sim.settings import Refused
 from sim.signals import at_once
+from sim.spec_option import HELP, read_spec
 from workflow import stage
 from workflow.bodies import Bodies
-from workflow.stage import Stopwatch, exit_code, read_spec, write_json
+from workflow.stage import Stopwatch, exit_code, write_json
 from workflow.timeline import Frames
 
 KINDS = ("spray", "foam", "bubbles")
@@ -124,7 +126,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.foam", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument(
         "--simulation", required=True, nargs="+", type=Path, metavar="DIR", help="folders with fluid_*.ply"
     )

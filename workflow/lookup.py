@@ -9,12 +9,15 @@ from typing import Any, NoReturn
 
 from workflow.plan import Job
 from workflow.results import Unrecorded, refuse_unrecorded, repairs
+from workflow.specs import spec_file, write_spec
 
 
 class JobLookup(ABC):
     """Jobs by the wildcards of a rule; every failure ends the process with its message."""
 
-    def __init__(self) -> None:
+    def __init__(self, dry: Callable[[], bool]) -> None:
+        """`dry` tells whether jobs are only planned, so that nothing is written."""
+        self._dry = dry
         self._checked: set[str] = set()
 
     @abstractmethod
@@ -43,6 +46,20 @@ class JobLookup(ABC):
             return lambda wildcards: str(getattr(self.job(stage, wildcards), name))
 
         return field
+
+    def spec(self, stage: str) -> Callable[[Any], str]:
+        """A function of the wildcards: the file with the job's settings, which is written if jobs are carried out."""
+
+        def file(wildcards: Any) -> str:
+            spec = self.job(stage, wildcards).spec
+            if not self._dry():
+                try:
+                    write_spec(spec)
+                except OSError as error:
+                    stop(f"{error.filename}: can not be written: {error.strerror}")
+            return spec_file(spec)
+
+        return file
 
     def repairs(self, stage: str) -> Callable[[Any], str]:
         """A function of the wildcards: a value that changes while the result is damaged."""

@@ -1,7 +1,7 @@
 """What each job of a film depends on: pure functions of a scene and of the source files.
 
 A job is repeated when one of these values differs from what its result was made with. The
-values differ in kind (JSON object, `code ...`, `versions ...`), because Snakemake compares the
+values differ in kind (a file of settings, `code ...`, `versions ...`), because Snakemake compares the
 values of a job's params as a set.
 """
 

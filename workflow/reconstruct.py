@@ -4,10 +4,11 @@ example: the frames 0 to 12 of a simulation with particles of 1 cm radius
   python -m workflow.reconstruct --spec '{"particle_radius": 0.01}' \\
       --simulation run/simulation --frames 0:12 --out run/surface
 
---spec takes JSON or the name of a JSON file: particle_radius [m], rest_density [kg/m^3], walls (each
-with normal and offset [m]) that the surface ends flush with, and `surface`, the section of that name
-of a scene. The meshes carry normals (nx ny nz) and the fluid's velocity (vx vy vz), and open in
-MeshLab, ParaView and Blender. A frame without particles gives a mesh without vertices.
+--spec takes JSON, the name of a file with it, or - for standard input: particle_radius [m],
+rest_density [kg/m^3], walls (each with normal and offset [m]) that the surface ends flush with, and
+`surface`, the section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's
+velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a mesh
+without vertices.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
 """
@@ -23,8 +24,9 @@ from pathlib import Path
 from sim.command import end_with
 from sim.settings import Refused
 from sim.signals import at_once
+from sim.spec_option import HELP, read_spec
 from workflow import stage
-from workflow.stage import Stopwatch, exit_code, read_spec, write_json, write_whole
+from workflow.stage import Stopwatch, exit_code, write_json, write_whole
 from workflow.surface_spec import ReconstructSpec
 from workflow.timeline import Frames
 
@@ -87,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.reconstruct", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="the settings, or the name of a file with them")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--simulation", required=True, type=Path, metavar="DIR", help="folder with fluid_*.ply")
     parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the meshes and summary.json")

@@ -1,39 +1,23 @@
-"""What the commands of the stages share: settings from JSON, whole files or none, exit codes."""
+"""What the commands of the stages share: whole files or none, times, exit codes."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import json
+import os
 import sys
 import time
 from collections.abc import Callable, Container, Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from pydantic import ValidationError
-
-from sim.settings import Refused, Settings
+from sim.settings import Refused
 from workflow.manifest import spoiled
 from workflow.timeline import Frames
 
 REFUSED = 2
 FAILED = 1
-
-Spec = TypeVar("Spec", bound=Settings)
-
-
-def read_spec(model: type[Spec], text: str) -> Spec:
-    """Settings from JSON, or from the file of that name; raises Refused."""
-    try:
-        source = text if text.lstrip().startswith("{") else Path(text).read_text(encoding="utf-8")
-        return model.model_validate_json(source)
-    except (OSError, UnicodeDecodeError) as error:
-        raise Refused(f"--spec {text}: can not be read: {error}", remedy="give JSON, or the name of a file") from None
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-        problems = "\n".join(f"  {'.'.join(map(str, part['loc'])) or '--spec'}: {part['msg']}" for part in details)
-        raise Refused(f"--spec does not hold the settings of this stage\n{problems}") from None
 
 
 def refuse_spoiled(folders: Iterable[Path], *kinds: str, frames: Container[int] | None = None) -> None:
@@ -57,7 +41,7 @@ def frames(text: str) -> Frames:
 
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
     """Let `write` make a file beside `path`, if it has one to make; it gets the name only when it is complete."""
-    partial = path.with_name(f".partial-{path.name}")
+    partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
         write(partial)
         if partial.exists():

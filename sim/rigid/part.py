@@ -14,12 +14,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim.double import vec3
+from sim.geometry.broad_phase import near_pairs, near_planes
 from sim.geometry.fields import PLANE
 from sim.movement import Movement
 from sim.overlaps import DEEP
 from sim.rigid import contact_solver, free_motion, gather, restitution
 from sim.rigid.body import Body, RigidMeasure, RigidState
-from sim.rigid.broad_phase import near_pairs, near_planes
 from sim.rigid.limits import step_limits
 from sim.rigid.narrow_phase import find_contacts
 from sim.rigid.press import press

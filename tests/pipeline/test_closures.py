@@ -13,6 +13,7 @@ import pytest
 from workflow import record
 from workflow.plan import ENTRY
 from workflow.sources import closure
+from workflow.specs import FOLDER
 
 RECORDER = """\
 import json, pathlib, runpy, sys
@@ -47,7 +48,8 @@ def loaded(project, tmp_path):
 def recorded_spec(project, result: Path) -> str:
     """The settings in JSON that a result was made with."""
     values = record.params(result.relative_to(project.folder).as_posix(), project.folder)
-    return next(ast.literal_eval(value) for value in values if value.startswith("'{"))
+    file = next(ast.literal_eval(value) for value in values if value.startswith(f"'{FOLDER}/"))
+    return (project.folder / file).read_text()
 
 
 def arguments_of(project, stage: str) -> list[str]:

@@ -71,9 +71,9 @@ class Pilot:
         """The frames to `last`, or all; raises PilotFailed."""
         job = self._plan.whole_simulation()
         last = self.scene.last_frame if last is None else last
-        words = ["--spec", job.spec, "--folder", str(self.scene.folder), "--frames", f"0:{last}"]
+        words = ["--folder", str(self.scene.folder), "--frames", f"0:{last}"]
         out = self._folder / "simulation"
-        total = self._run("simulate", words, out)
+        total = self._run("simulate", job.spec, words, out)
         found = {name: np.array(column) for name, column in numbers(out / "steps.csv", _COLUMNS).items()}
         frame = np.ceil(found["time"] * self.scene.simulation.fps - 1e-6).astype(int) - 1
         steps = np.bincount(frame, minlength=last)
@@ -102,8 +102,8 @@ class Pilot:
         spec = json.loads(self._plan.job("reconstruct").spec)
         spec["surface"] = settings.surface.model_dump(mode="json")
         out = self._surfaces(settings, frame)
-        words = ["--spec", json.dumps(spec), "--simulation", str(self._folder / "simulation")]
-        total = self._run("reconstruct", [*words, "--frames", f"{frame}:{frame + 1}"], out)
+        words = ["--simulation", str(self._folder / "simulation")]
+        total = self._run("reconstruct", json.dumps(spec), [*words, "--frames", f"{frame}:{frame + 1}"], out)
         wall = read(out)["wall_s"]
         both = sum(wall.get(phase, 0.0) for phase in ("load", "splashsurf", "write"))
         return Drawn(both / 2, total - both, (out / f"surface_{frame:05d}.ply").stat().st_size)
@@ -121,18 +121,19 @@ class Pilot:
             self.surface(frame, settings)
         spec = {**json.loads(Plan(settings, ROOT).job("render").spec), **changes}
         out = Path(tempfile.mkdtemp(dir=self._folder, prefix=f"picture_{frame}_"))
-        words = ["--spec", json.dumps(spec), "--simulation", str(self._folder / "simulation")]
+        words = ["--simulation", str(self._folder / "simulation")]
         words += ["--surface", str(surface)] if self._plan.has_surface else []
         words += ["--frames", f"{frame}:{frame + 1}", "--fps", f"{self.scene.simulation.fps:.17g}"]
-        total = self._run("render", words, out)
+        total = self._run("render", json.dumps(spec), words, out)
         seconds = read(out)["wall_s_per_frame"][1]
         return Drawn(seconds, total - 2 * seconds, (out / f"{frame:05d}.png").stat().st_size)
 
-    def _run(self, stage: str, words: Sequence[str], out: Path) -> float:
+    def _run(self, stage: str, spec: str, words: Sequence[str], out: Path) -> float:
         """Wall time of a stage's command [s]."""
-        command = [sys.executable, "-m", ENTRY[stage], *words, "--out", str(out), "--threads", str(self._threads)]
+        command = [sys.executable, "-m", ENTRY[stage], "--spec", "-", *words]
+        command += ["--out", str(out), "--threads", str(self._threads)]
         start = time.perf_counter()
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, input=spec, capture_output=True, text=True, check=False)
         if done.returncode:
             raise PilotFailed(done.stderr.strip()[-2000:])
         return time.perf_counter() - start

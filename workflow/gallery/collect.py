@@ -96,15 +96,15 @@ def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
     from PIL import Image
 
     index = next(k for k, job in enumerate(plan.jobs("simulate")) if job.frames.first <= frame <= job.frames.last)
-    settings = {**json.loads(plan.job("render").spec), **LARGE}
-    words = ["--spec", json.dumps(settings), "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
+    settings = json.dumps({**json.loads(plan.job("render").spec), **LARGE})
+    words = ["--spec", "-", "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
     for option, stage in (("--simulation", "simulate"), ("--surface", "reconstruct"), ("--foam", "foam")):
         if plan.parts(stage):
             job = plan.job(stage, index)
             _require(job, f"snakemake --cores 2 {job.folder}")
             words += [option, job.folder]
     with tempfile.TemporaryDirectory() as scratch:
-        done = subprocess.run([sys.executable, "-m", "render", *words, "--out", scratch])
+        done = subprocess.run([sys.executable, "-m", "render", *words, "--out", scratch], input=settings, text=True)
         if done.returncode:
             raise NotMade(f"frame {frame} of {plan.scene.name} can not be rendered")
         with Image.open(Path(scratch, f"{frame:05d}.png")) as picture:

@@ -24,7 +24,7 @@ rule film:
         attempt=attempt_number,
         scratch="",
     params:
-        spec=film("spec"),
+        spec=catalog.spec("film"),
         assets=film("assets"),
         code=film("code"),
         versions=film("versions"),

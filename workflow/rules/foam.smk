@@ -16,7 +16,7 @@ rule foam:
         scratch="",
         arch="auto",
     params:
-        spec=foam("spec"),
+        spec=catalog.spec("foam"),
         frames=foam("frames"),
         assets=foam("assets"),
         code=foam("code"),

@@ -14,7 +14,7 @@ rule reconstruct:
         attempt=attempt_number,
         scratch="",
     params:
-        spec=surface("spec"),
+        spec=catalog.spec("reconstruct"),
         frames=surface("frames"),
         assets=surface("assets"),
         code=surface("code"),

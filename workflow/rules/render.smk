@@ -16,7 +16,7 @@ rule render:
         attempt=attempt_number,
         scratch="",
     params:
-        spec=block("spec"),
+        spec=catalog.spec("render"),
         frames=block("frames"),
         fps=fps,
         assets=block("assets"),

@@ -15,7 +15,7 @@ rule simulate:
         scratch="",
         arch="auto",
     params:
-        spec=segment("spec"),
+        spec=catalog.spec("simulate"),
         frames=segment("frames"),
         assets=segment("assets"),
         code=segment("code"),

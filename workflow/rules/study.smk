@@ -11,7 +11,7 @@ rule trial:
             study_plan(wildcards).study.stage, study_plan(wildcards).scene(wildcards.trial)
         ),
     params:
-        spec=study("trial", "spec"),
+        spec=study_spec("trial"),
         frames=study("trial", "frames"),
         assets=study("trial", "assets"),
         code=study("trial", "code"),
@@ -47,7 +47,7 @@ rule study:
         "results/studies/{study}/logs/study.log",
     threads: 1
     params:
-        spec=study("study", "spec"),
+        spec=study_spec("study"),
         assets=study("study", "assets"),
         code=study("study", "code"),
         versions=study("study", "versions"),

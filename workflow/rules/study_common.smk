@@ -3,12 +3,16 @@ def studies():
     """Imported only for studies: films need nothing of it."""
     from workflow.study.catalog import Studies
 
-    return Studies(Path(workflow.basedir))
+    return Studies(Path(workflow.basedir), lambda: workflow.dryrun)
 
 
 def study(stage, name):
     """A function of the wildcards: a field of the job that they mean."""
     return lambda wildcards: studies().of(stage)(name)(wildcards)
+
+
+def study_spec(stage):
+    return lambda wildcards: studies().spec(stage)(wildcards)
 
 
 def study_repairs(stage):

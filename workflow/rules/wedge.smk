@@ -17,7 +17,7 @@ rule wedge:
         "results/{scene}/wedge.log",
     threads: 1
     params:
-        spec=wedge_field("spec"),
+        spec=catalog.spec("wedge"),
         code=wedge_field("code"),
         versions=wedge_field("versions"),
         plan=wedge_field("plan"),

@@ -17,6 +17,7 @@ from typing import Any
 
 from sim.command import end_with
 from sim.settings import Refused
+from sim.spec_option import HELP, spec_text
 from workflow import tables
 from workflow.stage import exit_code, refuse_spoiled, write_json
 from workflow.study import measure
@@ -118,7 +119,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.study", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="the study, and the settings of its trials")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--trials", required=True, type=Path, metavar="DIR", help="folder with TRIAL/REPEAT/trial.json")
     parser.add_argument("--folder", required=True, type=Path, metavar="DIR", help="where the reference's path starts")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for table and plots")
@@ -126,7 +127,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     def work() -> None:
         given.out.mkdir(parents=True, exist_ok=True)
-        spec = json.loads(given.spec)
+        spec = json.loads(spec_text(given.spec))
         points = report(spec, given.trials, given.folder, given.out)
         unit = "s/s" if spec["study"].get("stage", "simulate") == "simulate" else "s/frame"
         for point in front(points):

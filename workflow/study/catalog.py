@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from workflow.study.plan import StudyPlan
 class Studies(JobLookup):
     """Plans of the studies, each made once."""
 
-    def __init__(self, root: Path):
-        super().__init__()
+    def __init__(self, root: Path, dry: Callable[[], bool] = lambda: True):
+        super().__init__(dry)
         self._root = root
         self._plans: dict[str, StudyPlan] = {}
 

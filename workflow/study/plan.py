@@ -14,6 +14,7 @@ from workflow import sources
 from workflow.plan import ENTRY, RESULTS, Job, Plan, versions
 from workflow.scene import Scene
 from workflow.shelf import STUDIES
+from workflow.specs import spec_file
 from workflow.study.load import LoadedStudy, Trial
 from workflow.study.spec import ByTable
 from workflow.study.trial import RUN
@@ -67,7 +68,7 @@ class StudyPlan:
     def command(self, name: str) -> list[str]:
         """The module that a trial runs, and its arguments."""
         scene, job = self._trials[name].scene, self._stage_job(name)
-        words = [ENTRY[self.study.stage], "--spec", job.spec, "--out", RUN]
+        words = [ENTRY[self.study.stage], "--spec", spec_file(job.spec), "--out", RUN]
         words += ["--frames", str(self._frames(scene)), "--threads", str(self.study.threads)]
         words += [word for option in self.inputs(name).items() for word in option]
         if self.study.stage == "simulate":

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.command import end_with
+from sim.spec_option import HELP, spec_text
 from workflow import tables
 from workflow.contact_sheet import Cell, chosen, draw_sheet
 from workflow.stage import exit_code, refuse_spoiled, write_whole
@@ -70,13 +71,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.wedge", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spec", required=True, metavar="JSON", help="names, folders and values of the films")
+    parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the sheet and the table")
     given = parser.parse_args(argv)
 
     def work() -> None:
         given.out.mkdir(parents=True, exist_ok=True)
-        report(json.loads(given.spec), given.out)
+        report(json.loads(spec_text(given.spec)), given.out)
 
     return exit_code(work, "wedge")
 

@@ -60,7 +60,7 @@ FILES = {
     "control characters": (b"a: \x07\n", "not YAML"),
     "zero byte": (b"a: \x00\n", "not YAML"),
     "utf-16": ("fps: 12\n".encode("utf-16"), "UTF-8"),
-    "large": (b"a: b\n" * 300_000, "larger than any scene file"),
+    "large": (b"a: b\n" * 3_000_000, "larger than any scene file"),
 }
 
 
