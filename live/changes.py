@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from live.controls import Control, controls
-from workflow.document import SceneError
+from scene.document import SceneError
 
 if TYPE_CHECKING:
     import viser

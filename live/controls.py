@@ -10,9 +10,9 @@ from typing import Any, Literal
 
 import yaml
 
-from sim.events import FIXED
+from scene.document import parse
+from scene.events import FIXED
 from sim.spec import SimulationSpec
-from workflow.document import parse
 
 NOT_HERE = frozenset({"events", "probes", "precision", *FIXED})
 PLACED = frozenset(

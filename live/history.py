@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim.checkpoint import Checkpoint
+from sim.run.checkpoint import Checkpoint
 
 
 class History:

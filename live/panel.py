@@ -16,7 +16,7 @@ from live.handling import Handling
 from live.orders import Orders
 from live.uploads import MESHES, give_back, keep
 from live.view import COLOURINGS
-from sim.settings import Refused
+from scene.settings import Refused
 
 if TYPE_CHECKING:
     import viser

@@ -12,7 +12,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from sim.fluid.system import Measure
-    from sim.world import World
+    from sim.run.world import World
 
 COURSE = ("time", "kinetic", "potential", "elastic", "density_error")
 """Columns of a course: s, J, J, J, and the mean compression as a share of the rest density."""

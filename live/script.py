@@ -10,10 +10,10 @@ from typing import Any
 
 import yaml
 
-from sim.settings import Refused
+from scene.document import Document
+from scene.load import Scene, compose, load
+from scene.settings import Refused
 from sim.spec import Event, SimulationSpec
-from workflow.document import Document
-from workflow.scene import Scene, compose, load
 
 HERE = "live"
 """The source that messages name instead of a file."""

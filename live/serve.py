@@ -7,10 +7,10 @@ import sys
 import threading
 from typing import Any
 
+from common.signals import hand_over
 from live.page import LOOPBACK, Page, new_token
 from live.session import Session
-from sim.signals import hand_over
-from workflow.scene import Scene
+from scene.load import Scene
 
 
 def serve(scene: Scene, options: argparse.Namespace) -> int:

@@ -16,21 +16,21 @@ from typing import TYPE_CHECKING, Any, Literal
 from live.history import History
 from live.picture import Course, Picture, Scenery, picture, scenery
 from live.script import Script
-from sim import precision
-from sim.events import TIME_TOLERANCE, apply
-from sim.failure import Interrupted, Stopped
-from sim.settings import Refused
-from sim.stepping import Run
-from workflow.document import SceneError
+from scene.document import SceneError
+from scene.events import TIME_TOLERANCE, apply
+from scene.settings import Refused
+from sim.device import precision
+from sim.run.failure import Interrupted, Stopped
+from sim.run.stepping import Run
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from sim.checkpoint import Clock
+    from scene.load import Scene
     from sim.fluid.system import Measure
+    from sim.run.checkpoint import Clock
+    from sim.run.world import World
     from sim.spec import Event, SimulationSpec
-    from sim.world import World
-    from workflow.scene import Scene
 
 NICE = 8
 """Priority of the simulation among processes."""

@@ -7,10 +7,10 @@ import re
 import sys
 from pathlib import Path
 
+from scene.settings import Refused
 from sim.geometry.shapes import place
 from sim.geometry.spec import MeshFile
 from sim.rigid.spec import RigidBody
-from sim.settings import Refused
 
 MESHES = (".stl", ".obj", ".ply", ".off")
 MOST_BYTES = 50_000_000

@@ -11,15 +11,15 @@ import time
 from pathlib import Path
 from typing import Any
 
+from common.command import end_with
+from common.manifest import spoiled
+from common.signals import at_once
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
 from render.progress import Progress
 from render.spec import RenderSpec
-from sim.command import end_with
-from sim.settings import Refused
-from sim.signals import at_once
-from sim.spec_option import HELP, read_spec
-from workflow.manifest import spoiled
+from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
 
 EXAMPLE = """\
 example: the first two seconds of a film, after its simulation and reconstruction

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le
 from pydantic_core import PydanticCustomError, core_schema
 
-from sim.typed import unquoted
+from scene.notation import unquoted
 
 _HEX = re.compile(r"#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})")
 

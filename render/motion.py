@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from render.blender import bpy
-
 PLACE = ("location", "rotation_quaternion")
 
 
@@ -34,8 +32,6 @@ def show_only(thing: Any, seen: bool, frame: int) -> None:
 
 
 def forget(thing: Any) -> None:
-    """Remove a thing's keyframes."""
+    """Remove a thing's keyframes. The action stays: to remove one, Blender looks through all that there is."""
     if thing.animation_data is not None:
-        action = thing.animation_data.action
-        thing.animation_data_clear()
-        bpy.data.actions.remove(action)
+        thing.animation_data.action.fcurves.clear()

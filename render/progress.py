@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from tqdm import tqdm
 
-from sim.time_left import BAR, TimeLeft
+from common.time_left import BAR, TimeLeft
 
 
 class Progress:

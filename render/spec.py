@@ -14,9 +14,9 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from render.color import Color, srgb
-from sim.settings import Name, Settings
-from sim.similar import suggestion
-from sim.units import Angle, Dimensionless, Duration, Length, Position, PositiveLength, Unit
+from scene.diagnostics.suggestions import suggestion
+from scene.settings import Name, Settings
+from scene.units import Angle, Dimensionless, Duration, Length, Position, PositiveLength, Unit
 
 Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
 Elevation = Annotated[Angle, Ge(-89), Le(89)]

@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from sim.command import end_with, go_on_unheard
-from sim.settings import Refused
+from common.command import end_with, go_on_unheard
+from scene.settings import Refused
 
 FAILED = 1
 REFUSED = 2
@@ -86,11 +86,11 @@ def _add_device(command: argparse.ArgumentParser) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from sim.preview import preview
-    from workflow.document import SceneError
+    from scene.document import SceneError
+    from scene.load import combination_of, load
+    from scene.presets import QUALITIES
+    from sim.checks.preview import preview
     from workflow.foreseen import cautions, refuse_panorama
-    from workflow.presets import QUALITIES
-    from workflow.scene import combination_of, load
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
@@ -115,11 +115,11 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _explain(options: argparse.Namespace) -> int:
-    from sim.explain import explain
+    from scene.document import SceneError
+    from scene.load import load
+    from sim.checks.explain import explain
     from workflow.budget.pilot import PilotFailed
     from workflow.costs import costs, measured
-    from workflow.document import SceneError
-    from workflow.scene import load
 
     try:
         scene = load(options.scene, quality=options.quality, overrides=options.set)
@@ -153,11 +153,11 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _simulate(options: argparse.Namespace) -> int:
-    from sim.checkpoint import frame_of
+    from scene.diagnostics import idle
+    from scene.document import SceneError
+    from scene.load import load
+    from sim.run.checkpoint import frame_of
     from sim.segment import simulate
-    from workflow import idle
-    from workflow.document import SceneError
-    from workflow.scene import load
 
     try:
         scene = load(options.scene, quality=options.quality, overrides=options.set)
@@ -195,8 +195,8 @@ def _live(options: argparse.Namespace) -> int:
 
 def _play(options: argparse.Namespace) -> int:
     from live.serve import serve
-    from workflow.document import SceneError
-    from workflow.scene import load
+    from scene.document import SceneError
+    from scene.load import load
 
     try:
         scene = load(options.scene, quality=options.quality, overrides=options.set)

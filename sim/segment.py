@@ -18,20 +18,21 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from sim import precision, runtime, signals
-from sim.checkpoint import Checkpoint, state_name
-from sim.command import end_with
-from sim.extent import filmed
-from sim.failure import Fault, Interrupted, Stopped, report
-from sim.files import Reserve, write_json
-from sim.output import Output
-from sim.progress import Progress
-from sim.settings import Refused
-from sim.shortfalls import Work, shortfalls
-from sim.signals import INTERRUPTED
+from common import signals
+from common.command import end_with
+from common.files import Reserve, write_json
+from common.signals import INTERRUPTED
+from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
+from sim.device import precision, runtime
+from sim.run.checkpoint import Checkpoint, state_name
+from sim.run.extent import filmed
+from sim.run.failure import Fault, Interrupted, Stopped, report
+from sim.run.output import Output
+from sim.run.progress import Progress
+from sim.run.shortfalls import Work, shortfalls
+from sim.run.stepping import Run
 from sim.spec import SimulationSpec
-from sim.spec_option import HELP, read_spec
-from sim.stepping import Run
 
 DONE, REFUSED, STOPPED = 0, 2, 3
 ROOM = 1 << 16

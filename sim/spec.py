@@ -11,12 +11,12 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
+from scene.settings import Name, Settings
+from scene.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Length, Position, PositiveDuration
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import ClosedMesh, Placement
 from sim.rigid.spec import Contact, Rigid, RigidBody
-from sim.settings import Name, Settings
-from sim.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Length, Position, PositiveDuration
 
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.rigid.part import RigidPart
+    from sim.rigid.model import RigidPart
 
 G = 9.81
 
@@ -35,13 +35,13 @@ def part(
     bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **rigid: Any
 ) -> RigidPart:
     """The bodies, in the order given but for planes, which come last."""
-    from sim import runtime
+    from sim.device import runtime
 
     runtime.start(threads=threads, arch="cpu")
-    from sim.obstacles import find_obstacles
+    from sim.bodies.obstacles import find_obstacles
     from sim.rigid.assemble import assemble
     from sim.rigid.body import RigidState
-    from sim.rigid.part import RigidPart
+    from sim.rigid.model import RigidPart
     from sim.spec import SimulationSpec
 
     spec = SimulationSpec.model_validate({"gravity": gravity, "fps": 24, "rigid": {"bodies": bodies, **rigid}})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.cloth.part import ClothPart
+    from sim.cloth.model import ClothPart
 
 G = 9.81
 INTEGRATORS = ("implicit_euler", "symplectic_euler", "xpbd")
@@ -31,12 +31,12 @@ def part(
     sheets: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **cloth: Any
 ) -> ClothPart:
     """The sheets of a scene as placed; `cloth` are the settings beside them."""
-    from sim import runtime
+    from sim.device import runtime
 
     runtime.start(threads=threads, arch="cpu")
-    from sim.cloth.part import ClothPart, find_sheets
+    from sim.cloth.fabric.state import ClothState
+    from sim.cloth.model import ClothPart, find_sheets
     from sim.cloth.spec import Cloth
-    from sim.cloth.state import ClothState
 
     settings = Cloth.model_validate({"sheets": sheets, **cloth})
     return ClothPart(find_sheets(settings, Path()), np.array(gravity), settings, ClothState(), 0.0)
@@ -73,9 +73,9 @@ def period(times: np.ndarray, values: np.ndarray) -> float:
 
 def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
     """The world of a scene with cloth and rigid bodies."""
-    from sim import runtime
+    from sim.device import runtime
+    from sim.run.world import Counts, World
     from sim.spec import SimulationSpec
-    from sim.world import Counts, World
 
     runtime.start(threads=1, arch="cpu")
     cloth = {"sheets": sheets, **settings.pop("cloth", {})}

@@ -81,7 +81,7 @@ def arch(request: pytest.FixtureRequest) -> Iterator[None]:
     if chosen == "cpu":
         yield
         return
-    from sim import runtime
+    from sim.device import runtime
 
     start = runtime.start
     with mock.patch.object(runtime, "start", lambda **given: start(**given | {"arch": chosen})):
@@ -92,7 +92,7 @@ def arch(request: pytest.FixtureRequest) -> Iterator[None]:
 def taichi():
     """Taichi, running on the CPU with one thread, as in all tests that are not of threads: kernels for another number
     are others, and would be compiled beside them."""
-    from sim import runtime
+    from sim.device import runtime
 
     runtime.start(threads=1, arch="cpu")
     import taichi as ti

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.rigid.part import RigidPart
+    from sim.rigid.model import RigidPart
 
 OPTIONS = 'gravity="{gravity}" integrator="implicitfast" cone="elliptic" impratio="10" tolerance="1e-10"'
 """A round cone of friction, ten times as stiff across as along the normal: else bodies at rest creep."""

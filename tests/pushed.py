@@ -2,9 +2,9 @@
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.half_space import along_faces
-from sim.fluid.forces import pair_pressures
+from sim.fluid.forces.pairwise import pair_pressures
 
 
 @ti.kernel

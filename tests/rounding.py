@@ -57,7 +57,7 @@ def _started(options: dict[str, Any]) -> Iterator[None]:
     """Taichi starts with other options, now and not when it next has to."""
     with contextlib.redirect_stdout(io.StringIO()):
         import taichi
-    from sim import runtime
+    from sim.device import runtime
 
     def anew() -> None:
         runtime._running = runtime._running and ("", 0)
@@ -74,11 +74,11 @@ def _started(options: dict[str, Any]) -> Iterator[None]:
 @contextlib.contextmanager
 def _displaced(seed: int) -> Iterator[None]:
     """Fluid, cloth and rigid bodies begin elsewhere by SHARE, the same way each time."""
-    import sim.cloth.part
-    from sim.rigid.part import RigidPart
-    from sim.world import World
+    import sim.cloth.model
+    from sim.rigid.model import RigidPart
+    from sim.run.world import World
 
-    pour, begin, place = World.pour, sim.cloth.part._begin, RigidPart._place
+    pour, begin, place = World.pour, sim.cloth.model._begin, RigidPart._place
 
     def poured(world: World, state: Any, *given: Any) -> Any:
         found = pour(world, state, *given)
@@ -98,7 +98,7 @@ def _displaced(seed: int) -> Iterator[None]:
 
     with (
         mock.patch.object(World, "pour", poured),
-        mock.patch.object(sim.cloth.part, "_begin", begun),
+        mock.patch.object(sim.cloth.model, "_begin", begun),
         mock.patch.object(RigidPart, "_place", placed),
     ):
         yield

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, Vec4Array
+from sim.device.arrays import DoubleTable, IntArray, Vec4Array
 from sim.fluid.boundary.look import surface_velocity
 
 

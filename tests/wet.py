@@ -12,7 +12,7 @@ from tests.particles import positions, read_frame, velocities
 from tests.passing import went_through
 
 if TYPE_CHECKING:
-    from sim.world import World
+    from sim.run.world import World
 
 RHO, G, D = 1000.0, 9.81, 0.025
 
@@ -67,8 +67,8 @@ def below(water: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> int:
 def leaks(data: dict[str, Any], seconds: float) -> tuple[int, World]:
     """Step for a time [s]; how often a particle went through the cloth, by the checker of `tests.passing`, and the
     world at the end."""
+    from sim.run.stepping import Run
     from sim.spec import SimulationSpec
-    from sim.stepping import Run
 
     run = Run(SimulationSpec.model_validate(data), Path(), threads=1, arch="cpu", warn=lambda _: None)
     run.start()

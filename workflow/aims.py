@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from sim.settings import Refused
-from sim.units import PositiveDuration
+from scene.load import ACCURACY, BUDGET, Scene
+from scene.settings import Refused
+from scene.units import PositiveDuration
 from workflow.lookup import stop
-from workflow.scene import ACCURACY, BUDGET, Scene
 
 
 class Aim(ABC):

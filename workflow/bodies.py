@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from sim.settings import Refused
+from scene.settings import Refused
 
 if TYPE_CHECKING:
     from sim.foam.bodies import Body, Motion, Passing

@@ -9,16 +9,16 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from sim.command import end_with
-from sim.settings import Refused
+from common.command import end_with
+from scene.document import SceneError, read
+from scene.load import Scene, combination_of, load
+from scene.presets import QUALITIES
+from scene.settings import Refused
+from scene.wedge import MARK, Combination, split
 from workflow.aims import AIMS, Aim, aim_of
-from workflow.document import SceneError, read
 from workflow.lookup import JobLookup, stop
 from workflow.plan import RESULTS, Digests, Job, Plan
-from workflow.presets import QUALITIES
-from workflow.scene import Scene, combination_of, load
 from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
-from workflow.wedge.combinations import MARK, Combination, split
 from workflow.wedge.plan import wedge_job
 
 CONFIG_KEYS = ("quality", "keep", *(aim.key for aim in AIMS))

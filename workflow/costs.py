@@ -6,11 +6,11 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from sim.explain import Line
-from sim.files import FLUID_POINT
+from common.files import FLUID_POINT
+from scene.load import Scene
+from sim.checks.explain import Line
 from workflow.memory import estimate, particles
 from workflow.plan import FILMS
-from workflow.scene import Scene
 from workflow.summaries import read
 
 

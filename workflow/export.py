@@ -16,14 +16,14 @@ import sys
 import tempfile
 from pathlib import Path
 
+from common.command import end_with
 from render.__main__ import main as render
-from sim.command import end_with
-from sim.settings import Refused
+from scene.document import SceneError
+from scene.load import load
+from scene.presets import QUALITIES
+from scene.settings import Refused
 from workflow import tables
-from workflow.document import SceneError
 from workflow.plan import Plan
-from workflow.presets import QUALITIES
-from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 from workflow.stage import frames
 

@@ -20,9 +20,9 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-from sim.command import end_with
-from sim.settings import Refused
-from sim.spec_option import HELP, read_spec
+from common.command import end_with
+from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
 from workflow.film_spec import FilmJobSpec
 from workflow.stage import Stopwatch, exit_code, refuse_spoiled, write_json, write_whole
 

@@ -8,8 +8,8 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Le
 from pydantic import StringConstraints
 
-from sim.settings import Refused, Settings
-from sim.units import Frequency
+from scene.settings import Refused, Settings
+from scene.units import Frequency
 
 MANAGED = frozenset({"results", "renders", "studies", "wedges", ".snakemake", ".git"})
 """Folders of the project in which nothing else may be written."""

@@ -21,12 +21,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from common.command import end_with
+from common.signals import at_once
 from render.progress import Progress
-from sim.command import end_with
+from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
 from sim.foam.spec import FoamJobSpec
-from sim.settings import Refused
-from sim.signals import at_once
-from sim.spec_option import HELP, read_spec
 from workflow import stage
 from workflow.bodies import Bodies
 from workflow.stage import Stopwatch, exit_code, write_json
@@ -53,11 +53,11 @@ def run(
     with watch.phase("import"):
         import numpy as np
 
-        from sim import runtime
+        from sim.device import runtime
 
         device = runtime.start(threads=threads, arch=arch)
 
-        from sim.files import write_points
+        from common.files import write_points
         from sim.foam.particles import FOAM_POINT, next_frame
     needed = range(frames.first - 1, frames.last + 1)
     with watch.phase("load"):

@@ -15,13 +15,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from render.errors import Unusable
-from sim.extent import LEVEL, filmed
-from sim.geometry import assets
-from sim.names import resolve
-from sim.preview import Preview
-from sim.settings import Caution, Refused
-from workflow import idle
-from workflow.scene import Scene
+from scene import assets
+from scene.diagnostics import idle
+from scene.load import Scene
+from scene.names import resolve
+from scene.settings import Caution, Refused
+from sim.checks.preview import Preview
+from sim.run.extent import LEVEL, filmed
 
 
 def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:

@@ -26,8 +26,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
-from sim.command import end_with
-from workflow.manifest import Manifest
+from common.command import end_with
+from common.manifest import Manifest
 
 PLACEHOLDER = "@OUT"
 PR_SET_PDEATHSIG = 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from scene.load import Scene
 from sim.fluid.spec import Emitter
-from workflow.scene import Scene
 
 PROCESS = 1500
 """Python with Taichi, or Blender with the scene's lights and bodies."""

@@ -10,7 +10,7 @@ import csv
 import json
 from pathlib import Path
 
-from sim.command import end_with
+from common.command import end_with
 
 STAGES = {"surface": "splashsurf", "frames": "render"}
 """Folder of a stage's results, and the phase of its summary that is the work itself."""

@@ -15,14 +15,14 @@ from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from scene import assets
+from scene.load import Scene
+from scene.settings import canonical_json
+from sim.bodies.wall import Wall
 from sim.foam.spec import FoamJobSpec
-from sim.geometry import assets
-from sim.settings import canonical_json
 from sim.spec import SimulationSpec
-from sim.wall import Wall
 from workflow import sources
 from workflow.film_spec import FilmJobSpec
-from workflow.scene import Scene
 from workflow.surface_spec import ReconstructSpec
 from workflow.timeline import Frames, Timeline
 

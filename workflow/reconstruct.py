@@ -21,10 +21,10 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-from sim.command import end_with
-from sim.settings import Refused
-from sim.signals import at_once
-from sim.spec_option import HELP, read_spec
+from common.command import end_with
+from common.signals import at_once
+from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
 from workflow import stage
 from workflow.stage import Stopwatch, exit_code, write_json, write_whole
 from workflow.surface_spec import ReconstructSpec

@@ -9,7 +9,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from workflow import manifest, record
+from common import manifest
+from workflow import record
 from workflow.plan import Job
 
 _REPAIRS = re.compile(r"'repairs (\d+)'")

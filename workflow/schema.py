@@ -12,10 +12,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from sim.command import end_with
-from workflow.meanings import WithMeanings
-from workflow.presets import QUALITIES
-from workflow.scene import SceneFile
+from common.command import end_with
+from scene.descriptions import WithMeanings
+from scene.load import SceneFile
+from scene.presets import QUALITIES
 
 SCHEMA = Path("scenes/schema.json")
 REFERENCE = Path("docs/scene-reference.md")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim.similar import similar
-from workflow.document import SceneError
+from scene.diagnostics.suggestions import similar
+from scene.document import SceneError
 from workflow.plan import FILMS
 
 STUDIES = "studies"

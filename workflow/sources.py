@@ -1,6 +1,6 @@
 """Which source files a stage depends on, found without importing any, and their digest.
 
-A name such as "sim.fluid.dfsph" in a string counts as an import, because registries load the
+A name such as "sim.fluid.pressure.dfsph" in a string counts as an import, because registries load the
 modules that they name. Folders of materials that a scene does not use do not count.
 """
 
@@ -12,12 +12,14 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-PACKAGES = ("sim", "render", "workflow")
+PACKAGES = ("common", "scene", "sim", "render", "workflow")
 MATERIALS = frozenset({"fluid", "rigid", "cloth"})
 _NAME_IN_STRING = re.compile(rf"""["']((?:{"|".join(PACKAGES)})(?:\.[A-Za-z_]\w*)+)(?::[^"']*)?["']""")
 _IMPORT = re.compile(r"^[ \t]*import[ \t]+([\w.]+)", re.MULTILINE)
 _FROM = re.compile(r"^[ \t]*from[ \t]+(\.*)([\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.+)", re.MULTILINE)
 _COMMENT = re.compile(r"#.*")
+_DECLARATION = re.compile(r"^MATERIALS = \(([^)]*)\)", re.MULTILINE)
+_NAME = re.compile(r"\w+")
 _NAME_AND_ALIAS = re.compile(r"(\w+)(?:\s+as\s+\w+)?")
 
 
@@ -40,7 +42,7 @@ def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> li
             continue
         found.add(file)
         for module in _imports(file, root, file.stat().st_mtime_ns):
-            if module not in known and _counts(module, materials):
+            if module not in known and _counts(module, root, materials):
                 known.add(module)
                 target = _find(module, root)
                 waiting += [*_packages(module, root), *([target] if target else [])]
@@ -56,15 +58,22 @@ def digest(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> str
     return total.hexdigest()
 
 
-def _counts(module: str, materials: frozenset[str]) -> bool:
-    """False for the folder of a material, or the coupling of two, that the scene does not use."""
-    package, _, rest = module.partition(".")
-    folder, _, name = rest.partition(".")
-    if package != "sim":
-        return True
-    if folder == "coupling":
-        return MATERIALS.intersection(name.partition(".")[0].split("_")) <= materials
-    return folder not in MATERIALS or folder in materials
+def _counts(module: str, root: Path, materials: frozenset[str]) -> bool:
+    """False for what is loaded only with a material that the scene does not use."""
+    parts = module.split(".")
+    for end in range(len(parts), 0, -1):
+        file = _find(".".join(parts[:end]), root)
+        needed = _declared(file, file.stat().st_mtime_ns) if file else None
+        if needed is not None:
+            return needed <= materials
+    return True
+
+
+@functools.lru_cache(maxsize=4096)
+def _declared(file: Path, _changed: int) -> frozenset[str] | None:
+    """The materials that a file declares to need; None where it declares nothing."""
+    found = _DECLARATION.search(file.read_text())
+    return frozenset(_NAME.findall(found[1])) if found else None
 
 
 @functools.lru_cache(maxsize=4096)

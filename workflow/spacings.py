@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from scene.load import Scene
 from workflow.memory import fluid_volume
-from workflow.scene import Scene
 
 FLUID = "fluid.particle_radius"
 SHEETS = "cloth.sheets"

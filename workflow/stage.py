@@ -12,8 +12,8 @@ from collections.abc import Callable, Container, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from sim.settings import Refused
-from workflow.manifest import spoiled
+from common.manifest import spoiled
+from scene.settings import Refused
 from workflow.timeline import Frames
 
 REFUSED = 2
@@ -21,7 +21,7 @@ FAILED = 1
 
 
 def refuse_spoiled(folders: Iterable[Path], *kinds: str, frames: Container[int] | None = None) -> None:
-    """Refuse files of earlier stages that are no longer what they were made as; see `workflow.manifest.spoiled`."""
+    """Refuse files of earlier stages that are no longer what they were made as; see `common.manifest.spoiled`."""
     for folder in folders:
         path = spoiled(folder, kinds, frames)
         if path is not None:

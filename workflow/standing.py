@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from sim.events import apply
-from sim.planes import PlaneWall, walls_of
+from scene.events import apply
+from sim.bodies.planes import PlaneWall, walls_of
+from sim.bodies.wall import Wall
 from sim.spec import SimulationSpec
-from sim.wall import Wall
 
 
 def standing_walls(spec: SimulationSpec) -> tuple[Wall, ...]:

@@ -18,14 +18,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.command import end_with
-from sim.settings import Refused
-from sim.time_left import duration
-from workflow.document import SceneError
-from workflow.manifest import Manifest
+from common.command import end_with
+from common.manifest import Manifest
+from common.time_left import duration
+from scene.document import SceneError
+from scene.load import load
+from scene.presets import QUALITIES
+from scene.settings import Refused
 from workflow.plan import Job, Plan
-from workflow.presets import QUALITIES
-from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 
 if TYPE_CHECKING:

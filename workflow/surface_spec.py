@@ -10,9 +10,9 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
 
-from sim.settings import Settings
-from sim.units import Density, Dimensionless, PositiveLength
-from sim.wall import Wall
+from scene.settings import Settings
+from scene.units import Density, Dimensionless, PositiveLength
+from sim.bodies.wall import Wall
 
 
 class MeshSmoothing(Settings):

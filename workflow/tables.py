@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
-from sim.settings import Refused
+from scene.settings import Refused
 
 TABLES = ("steps.csv", "probes.csv", "bodies.csv")
 

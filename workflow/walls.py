@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from sim.wall import Wall
+from sim.bodies.wall import Wall
 from workflow.layers import NEXT, Cloud
 from workflow.surface_mesh import Surface
 

@@ -2,10 +2,13 @@
 
 from importlib import import_module
 
+MATERIALS = ("cloth",)
+"""Of a scene, for this to be loaded."""
+
 INTEGRATORS = {
-    "symplectic_euler": "sim.cloth.symplectic_euler:SymplecticEuler",
-    "implicit_euler": "sim.cloth.implicit_euler:ImplicitEuler",
-    "xpbd": "sim.cloth.xpbd:XPBD",
+    "symplectic_euler": "sim.cloth.integrators.symplectic_euler:SymplecticEuler",
+    "implicit_euler": "sim.cloth.integrators.implicit_euler:ImplicitEuler",
+    "xpbd": "sim.cloth.integrators.xpbd:XPBD",
 }
 """By the name they have in a scene."""
 

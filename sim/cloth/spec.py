@@ -8,9 +8,8 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
-from sim.geometry.spec import ClothShape, Placement, Rotation
-from sim.settings import Name, Settings
-from sim.units import (
+from scene.settings import Name, Settings
+from scene.units import (
     AngularVelocity,
     AreaDensity,
     Density,
@@ -23,6 +22,7 @@ from sim.units import (
     Unit,
     Velocity,
 )
+from sim.geometry.spec import ClothShape, Placement, Rotation
 
 Stiffness = Annotated[float, Gt(0), Le(1e12), Unit("N/m")]
 ShearStiffness = Annotated[float, Ge(0), Le(1e12), Unit("N/m")]

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sim.coupling.fluid_rigid import allowed
-from sim.fluid.emitters import Outlet
-from sim.fluid.seed import START_CLEARANCE
-from sim.obstacles import Obstacles
-from sim.settings import Refused
+from scene.settings import Refused
+from sim.bodies.obstacles import Obstacles
+from sim.coupling.fluid_solids import allowed
+from sim.fluid.inflow.emitters import Outlet
+from sim.fluid.seeding.seed import START_CLEARANCE
+
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
 
 
 def refuse_obstructed(outlet: Outlet, obstacles: Obstacles) -> None:

@@ -9,7 +9,10 @@ import numpy as np
 from sim.fluid.kernel import cubic_host
 
 if TYPE_CHECKING:
-    from sim.probes import FluidView
+    from sim.run.probes import FluidView
+
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
 
 FEWEST = 8
 """Particles that a linear field is fitted to."""

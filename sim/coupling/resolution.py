@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sim.geometry.fields import GRID
+from sim.bodies.obstacles import Obstacle, Obstacles
+from sim.geometry.distance.sdf import GRID
 from sim.geometry.primitives import primitive
-from sim.obstacles import Obstacle, Obstacles
+
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
 
 THIN = 2.0
 """Spacings under which fluid at rest may hold a body against its weight (docs/fluids.md, Known limits)."""

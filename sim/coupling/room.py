@@ -7,15 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.coupling.fluid_rigid import allowed
-from sim.geometry.distance import MeshDistance
-from sim.geometry.gaps import Gap
+from sim.bodies.obstacles import Obstacle, Obstacles
+from sim.coupling.fluid_solids import allowed
+from sim.geometry.distance.clearance import Gap
+from sim.geometry.distance.closest_points import MeshDistance
 from sim.geometry.solids import MeshSolid
-from sim.obstacles import Obstacle, Obstacles
 
 if TYPE_CHECKING:
-    from sim.cloth.part import PlacedSheet
-    from sim.cloth.state import ClothState
+    from sim.cloth.fabric.state import ClothState
+    from sim.cloth.model import PlacedSheet
+
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
 
 
 BENT = 0.5
@@ -35,7 +38,7 @@ class Room:
         """Whether fluid can start at points [m], shape [n, 3], `clearance` [m] off all solids and sheets; shape [n]."""
         free = allowed(self.obstacles, points, clearance, self.time)
         if self.sheets:
-            from sim.coupling.wet_cloth import off_sheets
+            from sim.coupling.fluid_cloth.wet_cloth import off_sheets
 
             free[free] = off_sheets(self.sheets, self.state, points[free], clearance)
         return free

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sim.fluid.momentum import Momentum
+from sim.fluid.forces.momentum import Momentum
 from sim.fluid.system import Bodies
+
+MATERIALS = ("fluid", "rigid", "cloth")
+"""Of a scene, for this to be loaded."""
 
 
 class Together:

@@ -2,11 +2,14 @@
 
 from importlib import import_module
 
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
+
 SOLVERS = {
-    "wcsph": "sim.fluid.wcsph:Wcsph",
-    "pcisph": "sim.fluid.pcisph:Pcisph",
-    "iisph": "sim.fluid.iisph:Iisph",
-    "dfsph": "sim.fluid.dfsph:Dfsph",
+    "wcsph": "sim.fluid.pressure.wcsph:Wcsph",
+    "pcisph": "sim.fluid.pressure.pcisph:Pcisph",
+    "iisph": "sim.fluid.pressure.iisph:Iisph",
+    "dfsph": "sim.fluid.pressure.dfsph:Dfsph",
 }
 """Pressure solvers by the name they have in a scene."""
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.arrays import real
+from sim.device.arrays import real
 
 
 @ti.func

@@ -7,9 +7,8 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
-from sim.geometry.spec import ClosedShape, MeshFace, Placement
-from sim.settings import Name, Settings
-from sim.units import (
+from scene.settings import Name, Settings
+from scene.units import (
     AngularVelocity,
     Density,
     Dimensionless,
@@ -23,6 +22,7 @@ from sim.units import (
     VelocityGradient,
     VolumeRate,
 )
+from sim.geometry.spec import ClosedShape, MeshFace, Placement
 
 DIVERGENCE_TOLERANCE = 1e-6
 """Share of the greatest number of a velocity gradient by which its diagonal may miss zero: numbers are typed."""

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import taichi as ti
 
-from sim.arrays import Declared, DoubleTable, IntArray, Particles, RealArray, Vec4Array, real, vec3
+from sim.device.arrays import Declared, DoubleTable, IntArray, Particles, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
-from sim.neighbors import HashGrid, NeighborList
+from sim.neighbors.spatial_hash import HashGrid, NeighborList
 
 if TYPE_CHECKING:
-    from sim.fluid.momentum import Momentum
+    from sim.fluid.forces.momentum import Momentum
 
 PARTICLES = (
     Declared("position", "vec4", "m; w: p / rho^2 [m^5/(kg s^2)]"),
@@ -70,6 +70,24 @@ class Exchange(Protocol):
     def exchange(self, dt: float) -> bool: ...
 
 
+class ViscousDrag(Protocol):
+    """Bodies that obey forces in the equations of implicit viscosity: rows as `sim.fluid.forces.body_unknowns` has
+    them, and the body of each solid that is listed near a particle, or -1."""
+
+    table: ti.Ndarray
+    body_of: ti.Ndarray
+
+    def begin(self, viscosity: float, sums: ti.Ndarray) -> None:
+        """Residuals and directions, where particles have their first guess as velocity, and search.w is the density;
+        viscosity: kinematic, times the step [m^2]."""
+
+    def pull(self) -> None:
+        """The images of the searches."""
+
+    def finish(self, *, solved: bool) -> np.ndarray:
+        """By how much velocities and angular velocities change, shape [bodies, 6]."""
+
+
 class Bodies(Protocol):
     """What the fluid moves, bodies or cloth, as solvers talk with it in the course of a step dt [s]."""
 
@@ -95,6 +113,9 @@ class Bodies(Protocol):
 
     def press(self, ahead: float) -> None:
         """Note the forces of the pressures found, which are in search.x."""
+
+    def viscous_drag(self) -> ViscousDrag:
+        """Their part in the equations of implicit viscosity."""
 
     def slow(self, dt: float, change: np.ndarray) -> None:
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""

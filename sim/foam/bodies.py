@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial.transform import Rotation, Slerp
 
 from sim.foam.fluid import hermite
-from sim.geometry.distance import MeshDistance
+from sim.geometry.distance.closest_points import MeshDistance
 from sim.geometry.solids import MeshSolid, Pose
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
-from sim.arrays import numpy_real, real, vec4
+from sim.device.arrays import numpy_real, real, vec4
 from sim.foam.sums import potentials, surface_normals, surroundings
-from sim.neighbors import HashGrid, NeighborList
+from sim.neighbors.spatial_hash import HashGrid, NeighborList
 
 CAPACITY = 64
 """Neighbours that lists have room for at first."""

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.bodies.wall import Wall
 from sim.foam.fluid import Fluid, Passage
 from sim.foam.spec import FoamJobSpec, FoamSpec, Range
-from sim.wall import Wall
 
 if TYPE_CHECKING:
     from sim.foam.bodies import Passing, Placed

@@ -7,9 +7,9 @@ from typing import Annotated, Self
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
-from sim.settings import Settings
-from sim.units import Acceleration, Dimensionless, PositiveDuration, PositiveLength, Unit
-from sim.wall import Wall
+from scene.settings import Settings
+from scene.units import Acceleration, Dimensionless, PositiveDuration, PositiveLength, Unit
+from sim.bodies.wall import Wall
 
 Rate = Annotated[float, Ge(0), Le(1e7), Unit("1/s")]
 Speed = Annotated[float, Ge(0), Le(1e5), Unit("m/s")]

@@ -4,7 +4,7 @@ import math
 
 import taichi as ti
 
-from sim.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
+from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
 from sim.fluid.kernel import cubic, cubic_slope
 
 SURFACE = 0.7

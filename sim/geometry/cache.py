@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.settings import canonical_json
+from scene.settings import canonical_json
 
 Arrays = dict[str, np.ndarray]
 

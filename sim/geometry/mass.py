@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.settings import Refused
+from scene.settings import Refused
 
 if TYPE_CHECKING:
     import trimesh
@@ -46,8 +46,8 @@ def mass_properties(mesh: trimesh.Trimesh, density: float) -> MassProperties:
     Raises `Refused` for an open or inverted mesh, one whose pieces overlap or that cuts through itself (what they have
     in common would count twice), and for moments that no body has.
     """
-    from sim.geometry.overlap import COUNTED_WRONGLY, overlapping_pieces, volume_counted_wrongly
-    from sim.geometry.topology import Topology
+    from sim.geometry.meshes.overlap import COUNTED_WRONGLY, overlapping_pieces, volume_counted_wrongly
+    from sim.geometry.meshes.topology import Topology
 
     topology = Topology.of(mesh)
     if not topology.watertight or not topology.consistent:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.geometry.fields import BOX, CAPSULE, CYLINDER, GRID, SPHERE, TORUS
+from sim.geometry.distance.sdf import BOX, CAPSULE, CYLINDER, GRID, SPHERE, TORUS
 from sim.geometry.solids import (
     BoxSolid,
     CapsuleSolid,
@@ -20,8 +20,9 @@ from sim.geometry.solids import (
 
 @dataclass(frozen=True)
 class Primitive:
-    """kind: of `sim.geometry.fields`; size: of a box its half edges, else radius and half length, or both radii of a
-    torus [m], shape [3]; origin [m] and turn of its own frame as it is placed; half: its half extents there [m]."""
+    """kind: of `sim.geometry.distance.sdf`; size: of a box its half edges, else radius and half length, or both radii
+    of a torus [m], shape [3]; origin [m] and turn of its own frame as it is placed; half: its half extents there
+    [m]."""
 
     kind: int
     size: np.ndarray

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.geometry import assets
+from scene import assets
+from scene.settings import Refused
 from sim.geometry.solids import (
     BoxSolid,
     CapsuleSolid,
@@ -35,12 +36,11 @@ from sim.geometry.spec import (
     Sphere,
     Torus,
 )
-from sim.settings import Refused
 
 if TYPE_CHECKING:
     import trimesh
 
-    from sim.geometry.repair import RepairReport
+    from sim.geometry.meshes.repair import RepairReport
 
 __all__ = ["Solid", "load_mesh", "place", "tessellate"]
 
@@ -137,8 +137,8 @@ def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[t
 
     Raises `Refused` for a file that can not be read as triangles or whose mesh can not be used.
     """
-    from sim.geometry.formats import read
-    from sim.geometry.topology import Topology, cleaned, signed_volume
+    from sim.geometry.meshes.formats import read
+    from sim.geometry.meshes.topology import Topology, cleaned, signed_volume
 
     file, report = read(path), None
     shell = closed and isinstance(shape, MeshFile) and shape.thickness is not None
@@ -197,7 +197,8 @@ def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trime
 def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Trimesh, RepairReport]:
     import trimesh
 
-    from sim.geometry import cache, repair
+    from sim.geometry import cache
+    from sim.geometry.meshes import repair
 
     def compute() -> cache.Arrays:
         mended, report = repair.repair(mesh, name=name, close=close)
@@ -221,9 +222,9 @@ def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimes
     import trimesh
 
     from sim.geometry import cache
-    from sim.geometry.shell import thickened
-    from sim.geometry.topology import Topology, signed_volume
-    from sim.geometry.union import united
+    from sim.geometry.meshes.shell import thickened
+    from sim.geometry.meshes.topology import Topology, signed_volume
+    from sim.geometry.meshes.union import united
 
     def compute() -> cache.Arrays:
         shell = thickened(mesh, thickness)
@@ -250,9 +251,10 @@ def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimes
 
 def _mending_sources() -> list[str]:
     """The files on which a mended mesh depends."""
-    from sim.geometry import changes, closing, distance, openings, overlap, repair, shell, topology, union, winding
+    from sim.geometry.distance import closest_points
+    from sim.geometry.meshes import changes, closing, openings, overlap, repair, shell, topology, union, winding
 
-    modules = (changes, closing, distance, openings, overlap, repair, shell, topology, union, winding)
+    modules = (changes, closing, closest_points, openings, overlap, repair, shell, topology, union, winding)
     return [module.__file__ for module in modules]
 
 

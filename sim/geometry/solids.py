@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scene.settings import Refused
 from sim.geometry.mass import MassProperties, from_covariance, mass_properties
 from sim.geometry.spec import Placement, Rotation
-from sim.settings import Refused
 
 if TYPE_CHECKING:
     import trimesh
 
-    from sim.geometry.repair import RepairReport
+    from sim.geometry.meshes.repair import RepairReport
 
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -337,19 +337,19 @@ class MeshSolid(Solid):
 
     @functools.cached_property
     def volume(self) -> float:
-        from sim.geometry.topology import signed_volume
+        from sim.geometry.meshes.topology import signed_volume
 
         return signed_volume(self.mesh)
 
     @functools.cached_property
     def _winding(self):
-        from sim.geometry.winding import WindingNumber
+        from sim.geometry.meshes.winding import WindingNumber
 
         return WindingNumber(self.mesh)
 
     @functools.cached_property
     def _distance(self):
-        from sim.geometry.distance import MeshDistance
+        from sim.geometry.distance.closest_points import MeshDistance
 
         return MeshDistance(self.mesh)
 

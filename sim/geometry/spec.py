@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge, Gt
 from pydantic import Field, model_validator
 
-from sim.settings import Settings
-from sim.units import Angle, Dimensionless, Direction, Extents, Position, PositiveLength
+from scene.settings import Settings
+from scene.units import Angle, Dimensionless, Direction, Extents, Position, PositiveLength
 
 
 class Box(Settings):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.obstacles import Obstacles
+from sim.bodies.obstacles import Obstacles
 from sim.rigid.body import Body
-from sim.rigid.shapes import contact_shape, plane_shape
+from sim.rigid.collision.shapes import contact_shape, plane_shape
 from sim.spec import SimulationSpec
 
 

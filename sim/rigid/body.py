@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from sim.geometry.mass import MassProperties
-from sim.rigid.shapes import ContactShape
+from sim.rigid.collision.shapes import ContactShape
 from sim.rigid.spec import Pull
 
 

@@ -8,9 +8,8 @@ from typing import Annotated, Literal, Self
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
-from sim.geometry.spec import AnyShape, Placement, Rotation
-from sim.settings import Name, Settings
-from sim.units import (
+from scene.settings import Name, Settings
+from scene.units import (
     AngularVelocity,
     Density,
     Dimensionless,
@@ -23,6 +22,7 @@ from sim.units import (
     Torque,
     Velocity,
 )
+from sim.geometry.spec import AnyShape, Placement, Rotation
 
 Friction = Annotated[Dimensionless, Ge(0), Le(10)]
 Restitution = Annotated[Dimensionless, Ge(0), Le(1)]

@@ -60,9 +60,9 @@ def thickness(cells: int) -> float:
 
 
 def ours(name: str, cells: int, seconds: float, threads: int) -> Drape:
-    from sim import runtime
+    from sim.device import runtime
+    from sim.run.world import Counts, World
     from sim.spec import SimulationSpec
-    from sim.world import Counts, World
 
     runtime.start(threads=threads, arch="cpu")
     sheet = {"shape": {"type": "sheet", "size": [SIZE, SIZE]}, "spacing": SIZE / cells, "thickness": thickness(cells),
@@ -87,7 +87,7 @@ def ours(name: str, cells: int, seconds: float, threads: int) -> Drape:
 
 def imbalance(world, dt: float, now: float) -> float:
     """Root mean square of what is out of balance in one more step, over that of the weights."""
-    from sim.cloth.pull import pulls
+    from sim.cloth.contact.applied_forces import pulls
 
     cloth = world.cloth
     mesh, h = cloth.mesh, dt

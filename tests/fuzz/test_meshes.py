@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from scene.settings import Refused
 from sim.geometry.shapes import load_mesh
 from sim.geometry.spec import MeshFile
-from sim.settings import Refused
 from tests.fuzz.mutations import broken_bytes, fuzzed
 
 FORMATS = ["obj", "ply", "stl", "off", "glb", "3mf"]

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scene.document import SceneError, read
+from scene.load import load
 from tests.fuzz.mutations import broken, broken_bytes, fuzzed
-from workflow.document import SceneError, read
-from workflow.scene import load
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = ["bunny", "pouring", "hammock", "wreckage", "tiny/drain", "tiny/splash", "tiny/tap"]

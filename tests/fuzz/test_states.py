@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.checkpoint import Checkpoint, frame_of
+from scene.settings import Refused
+from sim.run.checkpoint import Checkpoint, frame_of
 from sim.segment import simulate
-from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.fuzz.mutations import broken, broken_bytes, fuzzed
 

@@ -7,10 +7,10 @@ import json
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.settings import Refused
+from scene.document import SceneError
+from scene.load import combination_of, load
+from scene.settings import Refused
 from tests.fuzz.mutations import VALUES, broken, fuzzed
-from workflow.document import SceneError
-from workflow.scene import combination_of, load
 from workflow.study.formula import FUNCTIONS, evaluate
 from workflow.study.load import load_study
 

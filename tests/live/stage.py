@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from live.session import Session
-from workflow.scene import load
+from scene.load import load
 
 SCENE = """\
 duration: 1

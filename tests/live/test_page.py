@@ -11,8 +11,8 @@ import pytest
 from PIL import Image
 
 from live.page import Page
+from scene.load import load
 from tests.live.stage import SCENE, Stage, bytes_in
-from workflow.scene import load
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="no chromium, or no chromium-driver")

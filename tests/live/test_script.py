@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from live.script import Script
-from workflow.scene import load
+from scene.load import load
 
 SCENE = """\
 description: Something

@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from sim.failure import Fault
+from scene.document import SceneError
+from scene.load import load
+from sim.run.failure import Fault
 from tests.live.stage import SCENE, Stage, bytes_in
-from workflow.document import SceneError
-from workflow.scene import load
 
 BOX = {"shape": {"type": "box", "size": [0.08, 0.08, 0.08]}, "density": 300, "motion": "dynamic"}
 
@@ -90,7 +90,7 @@ def test_what_stops_the_simulation_pauses_it_and_says_why(stage, monkeypatch):
     stage.step()
     with monkeypatch.context() as patch:
         fault = Fault("a fault of the test", "none helps", repeatable=False)
-        patch.setattr("sim.stepping.find_fault", lambda world, measure, dt: fault if dt else None)
+        patch.setattr("sim.run.stepping.find_fault", lambda world, measure, dt: fault if dt else None)
         stage.change(set={"gravity": [0, -5, 0]})
         session.play()
         stage.until(lambda session: session.status.problem and session.status.mode == "paused")

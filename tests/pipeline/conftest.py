@@ -137,7 +137,7 @@ class Project:
 def source_tree(folder: Path) -> Project:
     """The source files in `folder`, with the scene of the tests, and nothing made yet."""
     ignored = shutil.ignore_patterns("__pycache__")
-    for name in ("workflow", "sim", "render", "profiles"):
+    for name in ("common", "scene", "sim", "render", "workflow", "profiles"):
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
     shutil.copy2(ROOT / "Snakefile", folder)
     project = Project(folder)

@@ -55,7 +55,7 @@ def test_a_study_from_start_to_end(study):
     study.edit("[50 ms, 10 ms]", "[50 ms, 20 ms, 10 ms]", file)
     again = study.dry_run(TARGET)
     assert sorted(stage for stage, _, _ in again.jobs) == ["study", "trial"]
-    study.append("sim/rigid/part.py", "\n")
+    study.append("sim/rigid/model.py", "\n")
     assert [stage for stage, _, _ in study.dry_run(TARGET).jobs].count("trial") == 4
     study.folder.joinpath(TARGET, "points.csv").unlink()
     assert "study" in study.dry_run(TARGET).stages

@@ -57,8 +57,8 @@ class Limit:
 
 def _simulated(data: dict[str, Any], last: int, **unchecked: float) -> tuple[int, Path]:
     """Exit status and folder of a run, whose `step` has settings that a scene may not."""
+    from scene.settings import Refused
     from sim.segment import simulate
-    from sim.settings import Refused
     from sim.spec import SimulationSpec
 
     spec = SimulationSpec.model_validate(data)
@@ -142,7 +142,7 @@ def _strain(made: Any) -> float:
 
 def _symplectic(share: float) -> bool:
     """The energy of small vibrations stays within a hundred times what it is at first."""
-    from sim.cloth.symplectic_euler import longest_step
+    from sim.cloth.integrators.symplectic_euler import longest_step
 
     made = _sheet()
     dt = share * longest_step(made.mesh)
@@ -154,7 +154,7 @@ def _symplectic(share: float) -> bool:
 
 def _highest_frequency() -> float:
     """2 / w over the bound of Gershgorin, w^2 the greatest eigenvalue of M^-1 K, by differences of forces."""
-    from sim.cloth.symplectic_euler import longest_step
+    from sim.cloth.integrators.symplectic_euler import longest_step
 
     made = _sheet()
     mesh = made.mesh

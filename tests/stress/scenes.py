@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim import stepping
-from sim.failure import Fault, find_fault
+from sim.run import stepping
+from sim.run.failure import Fault, find_fault
 from tests import rounding
 from tests.particles import read_frame
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.cloth.part import ClothPart
+from sim.cloth.model import ClothPart
 from sim.segment import main
 from tests.cloths import HANGING, INTEGRATORS, G, part, passages, places, rope, scene, sheet, step
 from tests.in_time import in_time

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.bodies import box
 from tests.cloths import passages, scene, sheet
 from tests.crossing import crossed

@@ -10,8 +10,8 @@ import sys
 import numpy as np
 import pytest
 
+from scene.settings import Refused
 from sim import segment
-from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from tests.particles import read_frame, read_table

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.failure import MOST_STEPS
-from sim.settings import Refused
+from scene.settings import Refused
+from sim.run.failure import MOST_STEPS
 from tests.particles import positions, read_frame, read_table, velocities
 from tests.stress.scenes import assert_nothing_broken, pool
 

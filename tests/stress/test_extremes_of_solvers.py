@@ -10,8 +10,8 @@ import json
 import numpy as np
 import pytest
 
+from scene.settings import Refused
 from sim.segment import simulate as run
-from sim.settings import Refused
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame, read_table, velocities
 from tests.solvers import STRESSED, steps

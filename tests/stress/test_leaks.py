@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.obstacles import find_obstacles
+from sim.bodies.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from tests.particles import positions, read_frame

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.particles import read_frame, read_table
 from tests.stress.scenes import contents, finish, make_faults, pool, run_segment
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import pytest
 
-from sim.settings import Refused
+from scene.diagnostics.support import refuse_unsupported
+from scene.settings import Refused
 from sim.spec import SimulationSpec
-from sim.support import refuse_unsupported
 from tests.stress.any_scene import FRAMES, Draw
 from tests.stress.scenes import contents
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.bodies import G, ground, part, step, tilt
 from tests.in_time import in_time
 from tests.meshes import body, broken_boxes, without_mass, write
@@ -29,7 +29,7 @@ def made(path: Path, name: str, **settings):
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_mended_box_has_the_mass_of_the_box(tmp_path, name):
     """m = rho a b c and I_x = m (b^2 + c^2) / 12, to rounding: the polyhedron is the box."""
-    from sim.obstacles import find_obstacles
+    from sim.bodies.obstacles import find_obstacles
     from sim.spec import SimulationSpec
 
     bodies = {"box": body(write(tmp_path / "box.off", BROKEN[name][0]))}

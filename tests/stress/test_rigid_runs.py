@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.bodies import ball, box, ground, turn
 from tests.particles import read_table
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.bodies import G, ground, part, step, tilt
 from tests.in_time import in_time
 from tests.meshes import write

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from tests.particles import positions, read_frame, read_table, velocities
 from tests.stress.scenes import assert_nothing_broken, failure, make_faults, pool, run_segment
 
@@ -146,7 +146,7 @@ def test_shortened_steps_recover(simulate, monkeypatch):
 @pytest.mark.outcome("C")
 def test_what_is_not_finite_stops_the_run(simulate, monkeypatch):
     """Whatever makes a value that is no number, it is seen after the step."""
-    from sim.fluid.wcsph import Wcsph
+    from sim.fluid.pressure.wcsph import Wcsph
 
     advance = Wcsph.advance
 

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from sim.fluid.mixing import viscosity_is_implicit
+from sim.fluid.forces.velocity_smoothing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
 from tests.in_time import in_time
 from tests.particles import read_table

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PYTHON = ["sim", "render", "workflow", "live", "scenes", "tests"]
+PYTHON = ["common", "scene", "sim", "render", "workflow", "live", "scenes", "tests"]
 
 
 @pytest.mark.parametrize(

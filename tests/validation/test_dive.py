@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scene.load import load
 from tests.particles import read_table
 from tests.solvers import run
-from workflow.scene import load
 
 BENCH = Path(__file__).resolve().parents[2] / "scenes" / "bench"
 RADIUS, MASS, WATER, AREA, DEPTH = 0.15, 7.056, 998.2, 1.2**2, 0.6

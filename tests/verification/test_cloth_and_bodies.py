@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cloth.pull import pulls
+from sim.cloth.contact.applied_forces import pulls
 from tests.bodies import ball, box
 from tests.cloths import G, scene, sheet
 from tests.in_time import in_time
@@ -58,7 +58,7 @@ def test_momentum_goes_from_one_to_the_other(body, gravity, integrator):
 def test_contacts_on_one_thread_and_many_are_the_same(integrator, monkeypatch):
     found = []
     for alone in (4000, 0):
-        monkeypatch.setattr("sim.cloth.mesh.ALONE", alone)
+        monkeypatch.setattr("sim.cloth.fabric.mesh.ALONE", alone)
         world = scene(
             {"cloth": sheet((0.4, 0.4), spacing=0.1, thickness=0.01)},
             {"box": box((0.2, 0.1, 0.2), position=[0, -0.06, 0]) | {"motion": "static"}},

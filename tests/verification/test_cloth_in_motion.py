@@ -205,7 +205,7 @@ def test_one_thread_and_many_do_the_same(integrator, monkeypatch):
     """Small cloths are stepped by one thread; larger ones as here by all of them."""
     found = []
     for alone in (4000, 0):
-        monkeypatch.setattr("sim.cloth.mesh.ALONE", alone)
+        monkeypatch.setattr("sim.cloth.fabric.mesh.ALONE", alone)
         made = part(
             {"sheet": sheet((1, 1), spacing=0.1, pins=["left"])}, integrator=integrator, air={}, threads=2, **EXACT
         )

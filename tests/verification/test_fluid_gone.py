@@ -90,8 +90,8 @@ def test_what_falls_before_there_is_water_falls_freely(simulate, solver, of):
 @pytest.mark.parametrize("of", [ball, cloth])
 def test_lists_of_what_is_near_are_empty_where_there_is_no_fluid(of):
     """They were not made, and read all the same where pressures follow from positions: one run in many crashed."""
+    from sim.run.stepping import Run
     from sim.spec import SimulationSpec
-    from sim.stepping import Run
 
     made = scene("wcsph", {}, **of())
     made["fluid"]["emitters"] = {"tap": {"shape": {"type": "disc", "radius": 0.1}, "speed": 1, "start": 0.06}}

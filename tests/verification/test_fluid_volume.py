@@ -12,10 +12,10 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.fluid.part import FluidState
-from sim.preview import preview
+from sim.checks.preview import preview
+from sim.fluid.model import FluidState
+from sim.run.world import Counts, World
 from sim.spec import SimulationSpec
-from sim.world import Counts, World
 from tests.in_time import in_time
 from tests.particles import positions, read_frame
 from tests.solvers import run, steps

@@ -9,10 +9,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from sim import runtime
-from sim.files import FLUID_POINT
+from common.files import FLUID_POINT
+from sim.bodies.wall import Wall
+from sim.device import runtime
 from sim.foam.spec import FoamJobSpec, FoamSpec, TrappedAir
-from sim.wall import Wall
 
 RADIUS, H = 0.01, 0.04
 SPACING = 2 * RADIUS
@@ -77,9 +77,9 @@ def test_normals_point_out_of_the_fluid():
     of a lattice lies half a spacing, h / 4, below the surface, where the integral over the plane has fallen to 0.75."""
     import taichi as ti
 
-    from sim.arrays import vec4
+    from sim.device.arrays import vec4
     from sim.foam.sums import surface_normals
-    from sim.neighbors import NeighborList
+    from sim.neighbors.spatial_hash import NeighborList
 
     found = fluid(lattice(), np.zeros((11**3, 3)))
     lists = NeighborList(64)

@@ -28,13 +28,13 @@ def block(rng: np.random.Generator, disorder: float = 0.2) -> np.ndarray:
 
 def system_of(x: np.ndarray, v: np.ndarray, gravity: np.ndarray, tmp_path, *, wall: bool | dict):
     """A system with DFSPH's arrays, its solver, and the velocities as particles lie."""
-    from sim.coupling.fluid_rigid import boundary_solids
+    from sim.bodies.obstacles import find_obstacles
+    from sim.coupling.fluid_solids import boundary_solids
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.dfsph import Dfsph
+    from sim.fluid.pressure.dfsph import Dfsph
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.obstacles import find_obstacles
     from sim.spec import SimulationSpec
 
     spec = Fluid(particle_radius=SPACING / 2, solver="dfsph")
@@ -68,7 +68,7 @@ def third_of_the_trace(system, *, wall: bool) -> np.ndarray:
 def test_linear_velocities_have_the_divergence_of_their_gradient(taichi, tmp_path, wall):
     """The rate over rho0 is -tr A wherever gradients are corrected in full: all that have a full support, and most of
     those next to a wall at y = 0, where linear velocities are those of the wall."""
-    from sim.fluid.gradient_correction import FULL, compression_rates
+    from sim.fluid.pressure.gradient_correction import FULL, compression_rates
 
     gradient = SHEAR.copy()
     if wall:
@@ -90,8 +90,8 @@ def test_linear_velocities_have_the_divergence_of_their_gradient(taichi, tmp_pat
 def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp_path, wall, error):
     """q = x_z over a lattice: layers next to a wall are accelerated as those inside are, or water at rest would sink or
     rise along upright walls. In an edge the product of what both walls take is nearly what both together do."""
-    from sim.arrays import vec4
-    from sim.fluid.gradient_correction import compression_rates
+    from sim.device.arrays import vec4
+    from sim.fluid.pressure.gradient_correction import compression_rates
     from tests.pushed import push_along
 
     x = block(np.random.default_rng(1), 0.0)
@@ -131,7 +131,7 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
 @pytest.mark.parametrize("disorder", [0.0, 0.3])
 def test_pressure_keeps_momentum_and_angular_momentum(taichi, tmp_path, disorder):
     """sum a = 0 and sum x cross a = 0 for any pressures, of particles with and without full supports."""
-    from sim.fluid.gradient_correction import compression_rates
+    from sim.fluid.pressure.gradient_correction import compression_rates
 
     rng = np.random.default_rng(2)
     x = block(rng, disorder)
@@ -149,7 +149,7 @@ def test_pressure_keeps_momentum_and_angular_momentum(taichi, tmp_path, disorder
 
 def test_no_energy_comes_of_taking_compression_away(taichi, tmp_path):
     """A projection: each iteration lowers what is left, and energy falls."""
-    from sim.fluid.gradient_correction import compression_rates
+    from sim.fluid.pressure.gradient_correction import compression_rates
 
     rng = np.random.default_rng(3)
     x = block(rng)

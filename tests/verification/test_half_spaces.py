@@ -3,7 +3,7 @@ density on faces, edges and corners, beside thin walls, seams and curved surface
 of what is thin.
 
 A particle at the distance s from a plane gets the share u(s) of its rest density from it, with u(d/2) what a lattice of
-the spacing d lacks there (`sim.fluid.calibration.lack`), whatever the support radius h.
+the spacing d lacks there (`sim.fluid.boundary.calibration.lack`), whatever the support radius h.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from sim.bodies.obstacles import find_obstacles
+from sim.fluid.boundary.calibration import lack
 from sim.fluid.boundary.half_space import half_space_fit, own_share_host
-from sim.fluid.calibration import lack
 from sim.fluid.kernel import cubic_host, particle_mass
-from sim.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from tests.sharp_bodies import SPACING, cup, export, sharp_bodies
@@ -35,7 +35,7 @@ def find_bodies(folder, bodies):
 
 
 def solids_of(folder, bodies, h=H):
-    from sim.coupling.fluid_rigid import boundary_solids
+    from sim.coupling.fluid_solids import boundary_solids
 
     return boundary_solids(find_bodies(folder, bodies), SPACING, h)
 
@@ -44,7 +44,7 @@ def vectors(values):
     """On the device, with a zero for w."""
     import taichi as ti
 
-    from sim.arrays import numpy_real, vec4
+    from sim.device.arrays import numpy_real, vec4
 
     array = ti.ndarray(vec4, len(values))
     array.from_numpy(np.column_stack((values, np.zeros(len(values)))).astype(numpy_real))
@@ -145,7 +145,7 @@ def lone(name, ratio):
 def test_a_lone_particle_is_pushed_out_wherever_it_meets_the_surface(tmp_path, name, ratio):
     """m W(0) + rho0 u >= rho0 on faces, edges and corners: where a particle without neighbours is denser than at rest,
     the solid pushes it."""
-    from sim.coupling.fluid_rigid import boundary_solids
+    from sim.coupling.fluid_solids import boundary_solids
 
     obstacles = find_bodies(tmp_path, {"body": bodies_with_edges(tmp_path)[name]})
     solid, h = obstacles.placed[0].solid, ratio * SPACING / 2
@@ -291,8 +291,8 @@ def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep
 
     To d / 4, half a cell: that much of a valley nodes can not tell.
     """
-    from sim.geometry.distance import MeshDistance
-    from sim.geometry.winding import WindingNumber
+    from sim.geometry.distance.closest_points import MeshDistance
+    from sim.geometry.meshes.winding import WindingNumber
 
     ball = crumpled(deep * SPACING, wave * SPACING)
     export(ball, tmp_path / "scan.ply")
@@ -319,7 +319,7 @@ def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     time in which it would go a spacing at PACE of sqrt(g d)."""
     import taichi as ti
 
-    from sim.arrays import real
+    from sim.device.arrays import real
     from sim.fluid.boundary.face_sums import SUDDEN
     from sim.fluid.boundary.gaps import PACE
 
@@ -363,8 +363,8 @@ def test_beside_the_edges_of_a_hull_no_face_is_told_that_is_not_there(tmp_path, 
     unless that point is in the solid, as beyond the edge of two walls. Not once in a thousand is it off by d / 5, and
     never by a cell.
     """
-    from sim.geometry.distance import MeshDistance
-    from sim.geometry.winding import WindingNumber
+    from sim.geometry.distance.closest_points import MeshDistance
+    from sim.geometry.meshes.winding import WindingNumber
 
     hull = cup(sides, taper, 6 * SPACING, 7 * SPACING, SPACING)
     hull.apply_scale([length, 1, 1])

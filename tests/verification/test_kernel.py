@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from sim.fluid.calibration import calibrate_wall, lack, sample_depth, sample_volume, sample_weight
+from sim.fluid.boundary.calibration import calibrate_wall, lack, sample_depth, sample_volume, sample_weight
 from sim.fluid.kernel import (
     cubic_host,
     cubic_slope_host,

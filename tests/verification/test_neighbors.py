@@ -9,8 +9,8 @@ from scipy.spatial import cKDTree
 
 def listed(points: np.ndarray, others: np.ndarray | None, h: float) -> list[set[int]]:
     """Neighbour sets by former index, as the hash grid finds them."""
-    from sim.arrays import Declared, Particles
-    from sim.neighbors import HashGrid, NeighborList
+    from sim.device.arrays import Declared, Particles
+    from sim.neighbors.spatial_hash import HashGrid, NeighborList
 
     particles = Particles([Declared("position", "vec4", "m"), Declared("tag", "vec2i", "")], 0)
     tags = np.column_stack((np.arange(len(points)), np.zeros(len(points)))).astype(np.int32)
@@ -70,8 +70,8 @@ def test_finds_exactly_the_pairs_in_the_support(taichi, cloud, others_than_itsel
 def test_order_does_not_depend_on_the_run(taichi):
     rng = np.random.default_rng(2)
     points = rng.normal(size=(3000, 3)).astype(np.float32) * 0.3
-    from sim.arrays import vec4
-    from sim.neighbors import HashGrid
+    from sim.device.arrays import vec4
+    from sim.neighbors.spatial_hash import HashGrid
 
     position = taichi.ndarray(vec4, len(points))
     position.from_numpy(np.column_stack((points, np.zeros(len(points)))).astype(np.float32))

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sim.obstacles import find_obstacles
-from sim.prescribed import Prescribed
+from sim.bodies.obstacles import find_obstacles
+from sim.bodies.prescribed import Prescribed
 from sim.rigid.spec import RigidBody
 from sim.spec import SimulationSpec
 from tests.particles import positions, read_frame, read_table
@@ -132,8 +132,8 @@ def test_half_spaces_follow_on_the_device(case, tmp_path):
     near by."""
     import taichi as ti
 
-    from sim.arrays import numpy_real, vec4
-    from sim.coupling.fluid_rigid import boundary_solids, motions
+    from sim.coupling.fluid_solids import boundary_solids, motions
+    from sim.device.arrays import numpy_real, vec4
     from sim.fluid.boundary.faces import Faces
     from sim.fluid.boundary.shapes import Shapes
     from tests.surface_speeds import surface_speeds
@@ -202,10 +202,14 @@ def test_a_scene_in_which_nothing_moves_loads_nothing_for_it(tmp_path, motion):
     options = segment_command(scene, tmp_path / "out", "0:1")[3:]
     done = finish([sys.executable, "-c", code, *options], tmp_path)
     modules = set(json.loads(done.stdout.splitlines()[-1]))
-    assert "sim.coupling.fluid_rigid" in modules
-    assert not modules & {"sim.fluid.listed", "sim.coupling.film", "sim.coupling.floating"}
-    assert ({"sim.prescribed", "sim.movement"} <= modules) == bool(motion)
-    assert bool(modules & {"sim.prescribed", "sim.movement"}) == bool(motion)
+    assert "sim.coupling.fluid_solids" in modules
+    assert not modules & {
+        "sim.fluid.boundary.one_sided_samples",
+        "sim.coupling.fluid_rigid.lubrication",
+        "sim.coupling.fluid_rigid.floating",
+    }
+    assert ({"sim.bodies.prescribed", "sim.bodies.movement"} <= modules) == bool(motion)
+    assert bool(modules & {"sim.bodies.prescribed", "sim.bodies.movement"}) == bool(motion)
 
 
 def test_steps_land_on_keyframes(simulate):

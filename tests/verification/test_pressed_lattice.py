@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from sim.fluid.kernel import cubic_slope_host, lattice, particle_mass
-from sim.fluid.limits import pressure_limit
+from sim.fluid.time_step_limits import pressure_limit
 
 SUPPORT = 2.0
 """In spacings, by default."""

@@ -97,9 +97,9 @@ def test_the_force_on_a_part_is_the_pressure_on_it(at_rest):
 
 def test_a_part_of_a_body_that_obeys_forces_is_refused():
     """All that acts on it is known as a whole only: films, and what moves it."""
-    from sim.settings import Refused
+    from scene.diagnostics.support import refuse_unsupported
+    from scene.settings import Refused
     from sim.spec import SimulationSpec
-    from sim.support import refuse_unsupported
 
     data = pool({"side": {"type": "force", "body": "block", "region": {"low": [0, 0, 0], "high": [1, 1, 1]}}})
     data["rigid"]["bodies"]["block"] |= {"motion": "dynamic", "density": 2000}

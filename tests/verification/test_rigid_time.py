@@ -8,7 +8,7 @@ import csv
 import numpy as np
 import pytest
 
-from sim.rigid.part import SLACK
+from sim.rigid.model import SLACK
 from tests.bodies import G, ball, box, ground, part, step, turn
 
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3)

@@ -56,7 +56,7 @@ def stress(out, frame: int) -> tuple[float, float]:
     Pressure is what all pair forces carry: a third of the sum of their f.r over the volume. That of the solver
     alone holds the particles against their cohesion too, which is several times as much.
     """
-    from sim.fluid.tension import strength
+    from sim.fluid.forces.surface_tension import strength
 
     with np.load(out / f"state_{frame:05d}.npz") as state:
         position, density = (state[f"fluid.{name}"].astype(float) for name in ("position", "velocity"))
@@ -148,8 +148,8 @@ def test_surface_tension_keeps_momentum(tmp_path, solver, model):
 def test_the_second_term_adds_to_the_tension_what_its_constant_says():
     """Half the integral over all pairs of (n_i - n_j) z_ij next to a flat surface, with the densities that SPH finds
     there; n in units of h d/dz, lengths in h."""
+    from sim.fluid.forces.surface_tension import AREA
     from sim.fluid.kernel import halfspace_area_host, halfspace_volume_host
-    from sim.fluid.tension import AREA
 
     cells = 100
     z = (np.arange(4 * cells) + 0.5) / cells
@@ -171,12 +171,12 @@ def test_steps_resolve_capillary_waves(tmp_path):
 
 def adhesive(points: np.ndarray, walls: str):
     """Accelerations [m/s^2] by adhesion alone at points [m] above y = 0, a `plane`, or the face of a `box`."""
-    from sim.fluid.adhesion import Adhesion
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import BoundarySolid, Shapes, half_space
+    from sim.fluid.forces.adhesion import Adhesion
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.geometry.fields import BOX
+    from sim.geometry.distance.sdf import BOX
     from sim.geometry.primitives import Primitive
 
     spec = Fluid(particle_radius=SPACING / 2, adhesion=SIGMA)
@@ -237,9 +237,9 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
+    from sim.fluid.forces.surface_tension import ARRAYS, Tension
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.fluid.tension import ARRAYS, Tension
 
     spec = Fluid(particle_radius=SPACING / 2, surface_tension=SIGMA, surface_tension_model="akinci2013")
     rng = np.random.default_rng(5)

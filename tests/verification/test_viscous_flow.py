@@ -91,13 +91,13 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     walls: `none`, two `planes`, two `boxes`, only a plane below (`floor`), or also a `belt` above, a box that runs with
     1 m/s.
     """
-    from sim.fluid import projection
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import BoundarySolid, Shapes, half_space
-    from sim.fluid.mixing import mixing_arrays
+    from sim.fluid.forces.velocity_smoothing import mixing_arrays
+    from sim.fluid.pressure import projection
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
-    from sim.geometry.fields import BOX as CUBOID
+    from sim.geometry.distance.sdf import BOX as CUBOID
     from sim.geometry.primitives import Primitive
 
     spec = Fluid(particle_radius=SPACING / 2, viscosity=NU, **settings)
@@ -126,10 +126,10 @@ def flow(system, dt: float, times: list[float], *, beside: bool = False):
 
     beside: friction between particles is found beside densities, as for `iisph` and `dfsph`.
     """
-    from sim.fluid.incompressible import kick
-    from sim.fluid.mixing import Mixing
-    from sim.fluid.momentum import Momentum
-    from sim.fluid.projection import Projection
+    from sim.fluid.forces.momentum import Momentum
+    from sim.fluid.forces.velocity_smoothing import Mixing
+    from sim.fluid.pressure.incompressible import kick
+    from sim.fluid.pressure.projection import Projection
 
     momentum, mixing = Momentum(system, pressure=False, friction_known=beside), Mixing(system)
     projection = Projection(system, momentum.viscosity)
@@ -254,14 +254,14 @@ def test_viscosity_keeps_momentum_and_angular_momentum(taichi, points, solver):
     velocity[: system.count, :3] = rng.normal([1, -2, 0.5], size=(system.count, 3))
     system.particles.velocity.from_numpy(velocity)
     before = totals(system)
-    from sim.fluid.mixing import Mixing
-    from sim.fluid.momentum import Momentum
+    from sim.fluid.forces.momentum import Momentum
+    from sim.fluid.forces.velocity_smoothing import Mixing
 
     if solver == "implicit":
         told = Mixing(system).mix(50 * EXPLICIT_LIMIT)
         assert told["viscosity_iterations"] > 0
     else:
-        from sim.fluid.incompressible import kick
+        from sim.fluid.pressure.incompressible import kick
 
         Momentum(system, pressure=False).accelerate()
         kick(system.count, EXPLICIT_LIMIT, system.particles.velocity, system.particles.acceleration)
@@ -284,9 +284,9 @@ def test_a_drop_that_turns_goes_on_turning(taichi, points, solver):
     velocity = system.particles.velocity.to_numpy()
     velocity[: system.count, :3] = np.cross([1.0, 2.0, -3.0], x - BOX / 2)
     system.particles.velocity.from_numpy(velocity)
-    from sim.fluid.incompressible import kick
-    from sim.fluid.mixing import Mixing
-    from sim.fluid.momentum import Momentum
+    from sim.fluid.forces.momentum import Momentum
+    from sim.fluid.forces.velocity_smoothing import Mixing
+    from sim.fluid.pressure.incompressible import kick
 
     for _ in range(5):
         Momentum(system, pressure=False).accelerate()

@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from sim.fluid.calibration import lack
+from sim.fluid.boundary.calibration import lack
 from sim.fluid.kernel import cubic_host, cubic_slope_host, lattice
 
 SPACING, H = 0.01, 0.02
@@ -18,7 +18,7 @@ def faces_at(points, planes):
     """What solids below `planes`, normals and offsets [m], shape [n, 4], are to points [m], shape [n, 3]."""
     import taichi as ti
 
-    from sim.arrays import numpy_real, vec4
+    from sim.device.arrays import numpy_real, vec4
     from sim.fluid.boundary.faces import Faces
     from sim.fluid.boundary.shapes import Shapes, half_space
 
@@ -68,7 +68,7 @@ def made_good(taichi):
     """B a for accelerations [m/s^2] at points [m], both of shape [n, 3]."""
     import taichi as ti
 
-    from sim.arrays import IntArray, RealArray, Vec4Array, numpy_real, real, vec4
+    from sim.device.arrays import IntArray, RealArray, Vec4Array, numpy_real, real, vec4
     from sim.fluid.boundary.half_space import along_faces
 
     @ti.kernel

@@ -24,7 +24,7 @@ def test_velocities_become_what_the_sum_says(taichi):
     """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989)."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.mixing import Mixing, mixing_arrays
+    from sim.fluid.forces.velocity_smoothing import Mixing, mixing_arrays
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
 

@@ -9,15 +9,15 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sim.settings import Refused
-from workflow import grid
+from scene import grid
+from scene.load import ACCURACY, Scene, load
+from scene.settings import Refused
 from workflow.accuracy.evidence import Measured, cheapest, evidence, least_error
 from workflow.budget.detail import Presets
 from workflow.budget.forecast import predicted, teller
 from workflow.budget.pilot import ROOT
 from workflow.kept import keep, kept, key_of
 from workflow.plan import Plan
-from workflow.scene import ACCURACY, Scene, load
 from workflow.spacings import is_spacing, resolving, scaled
 
 

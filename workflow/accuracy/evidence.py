@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from sim.settings import Refused
-from workflow.document import read
-from workflow.grid import setting
-from workflow.scene import Scene
+from scene.document import read
+from scene.grid import setting
+from scene.load import Scene
+from scene.settings import Refused
 from workflow.shelf import STUDIES, STUDY_FILES
 from workflow.spacings import fineness_of_spacing, is_spacing
 from workflow.study.load import LoadedStudy, Trial, load_study

@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
+from scene.load import Scene
 from workflow.budget.detail import Presets
 from workflow.budget.model import Flight, Model, Pictures, Surfaces
 from workflow.budget.pilot import Drawn, Pilot
 from workflow.budget.schedule import SIDE_BY_SIDE
 from workflow.memory import particles
-from workflow.scene import Scene
 from workflow.spacings import spacing
 
 COARSE, FINE = 1500, 5000

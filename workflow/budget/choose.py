@@ -6,15 +6,15 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from sim.settings import Refused
+from scene.load import BUDGET, load
+from scene.presets import QUALITIES
+from scene.settings import Refused
 from workflow.budget.detail import FINEST, Presets
 from workflow.budget.forecast import Forecast, calibrated, forecast, teller
 from workflow.budget.model import Model
 from workflow.budget.pilot import ROOT
 from workflow.kept import keep, kept, key_of
 from workflow.plan import Plan
-from workflow.presets import QUALITIES
-from workflow.scene import BUDGET, load
 
 STEP = 0.05
 """Between details that are looked at."""

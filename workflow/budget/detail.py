@@ -12,9 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from workflow import grid
-from workflow.presets import QUALITIES
-from workflow.scene import BUDGET, Scene, load
+from scene import grid
+from scene.load import BUDGET, Scene, load
+from scene.presets import QUALITIES
 from workflow.spacings import is_spacing, scaled, spacing
 
 FINEST = float(len(QUALITIES) - 1)

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from scene.load import Scene
 from workflow.budget.calibrate import Calibration
 from workflow.budget.detail import Presets
 from workflow.budget.model import Model
 from workflow.budget.schedule import SIDE_BY_SIDE, wall
-from workflow.scene import Scene
 from workflow.timeline import Timeline
 
 FILM = 5.0

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from scene.load import Scene
 from workflow.budget.pilot import Drawn, Simulated
 from workflow.memory import particles
-from workflow.scene import Scene
 from workflow.spacings import spacing
 from workflow.timeline import Timeline
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from scene.load import Scene
 from workflow.plan import ENTRY, Plan
-from workflow.scene import Scene
 from workflow.summaries import read
 from workflow.tables import numbers
 

@@ -12,8 +12,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from sim.command import end_with
-from workflow.document import SceneError
+from common.command import end_with
+from scene.document import SceneError
 from workflow.gallery.collect import NotMade, collect
 from workflow.gallery.page import page
 from workflow.gallery.shots import PAGE, shots

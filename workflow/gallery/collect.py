@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from common.manifest import Manifest
+from scene.load import load
+from scene.presets import Quality
 from workflow.gallery.shots import FOLDER, Shot
-from workflow.manifest import Manifest
 from workflow.plan import Job, Plan
-from workflow.presets import Quality
-from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 from workflow.stage import write_json, write_whole
 

@@ -8,10 +8,10 @@ from typing import Annotated
 from annotated_types import Ge, Len
 from pydantic import Field, ValidationError
 
-from sim.settings import Settings
-from workflow.document import read
-from workflow.presets import Quality
-from workflow.problems import explain
+from scene.diagnostics.problems import explain
+from scene.document import read
+from scene.presets import Quality
+from scene.settings import Settings
 
 FOLDER = Path("docs/gallery")
 PAGE = Path("docs/gallery.md")
@@ -43,7 +43,7 @@ class Shots(Settings):
 
 def shots(root: Path) -> Shots:
     """Those of a checkout; raises SceneError for a file that can not be used."""
-    from workflow.document import SceneError
+    from scene.document import SceneError
 
     document = read(root / FOLDER / "shots.yaml")
     try:

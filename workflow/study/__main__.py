@@ -15,9 +15,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.command import end_with
-from sim.settings import Refused
-from sim.spec_option import HELP, spec_text
+from common.command import end_with
+from scene.settings import Refused
+from scene.spec_option import HELP, spec_text
 from workflow import tables
 from workflow.stage import exit_code, refuse_spoiled, write_json
 from workflow.study import measure

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from workflow.document import SceneError
+from scene.document import SceneError
 from workflow.lookup import JobLookup, stop
 from workflow.plan import Job
 from workflow.shelf import STUDY_FILES

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from simpleeval import InvalidExpression, SimpleEval
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.study.spec import Formula
 
 FUNCTIONS = {

@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from sim.settings import Refused, canonical_json
-from workflow import grid
-from workflow.document import Document, SceneError, read
-from workflow.problems import explain
-from workflow.scene import Scene, load
+from scene import grid
+from scene.diagnostics.problems import explain
+from scene.document import Document, SceneError, read
+from scene.load import Scene, load
+from scene.settings import Refused, canonical_json
 from workflow.study import formula, measure
 from workflow.study.spec import ByTrial, Overrides, Study
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.study import formula, pictures, surfaces
 from workflow.study.spec import ByFormula, ByTable, Formula, Quantity
 

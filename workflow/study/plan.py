@@ -9,10 +9,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sim.settings import canonical_json
+from scene.load import Scene
+from scene.settings import canonical_json
 from workflow import sources
 from workflow.plan import ENTRY, RESULTS, Job, Plan, versions
-from workflow.scene import Scene
 from workflow.shelf import STUDIES
 from workflow.specs import spec_file
 from workflow.study.load import LoadedStudy, Trial

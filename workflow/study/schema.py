@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from sim.command import end_with
-from workflow.meanings import WithMeanings
+from common.command import end_with
+from scene.descriptions import WithMeanings
 from workflow.study.spec import Study
 
 SCHEMA = Path("scenes/studies/schema.json")

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from annotated_types import Ge, Le, MinLen
 from pydantic import Field, model_validator
 
-from sim.settings import Name, Settings
-from sim.units import Duration, PositiveDuration
-from workflow.presets import Quality
+from scene.presets import Quality
+from scene.settings import Name, Settings
+from scene.units import Duration, PositiveDuration
 
 Formula = str | float
 """A number, or arithmetic with the names that it is given."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.study import formula
 from workflow.study.spec import Formula, Quantity
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sim.command import end_with
+from common.command import end_with
 from workflow.stage import FAILED, write_json
 
 RUN = "@RUN"

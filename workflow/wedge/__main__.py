@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sim.command import end_with
-from sim.spec_option import HELP, spec_text
+from common.command import end_with
+from scene.spec_option import HELP, spec_text
 from workflow import tables
 from workflow.contact_sheet import Cell, chosen, draw_sheet
 from workflow.stage import exit_code, refuse_spoiled, write_whole

@@ -6,10 +6,10 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from scene.wedge import Combination
 from workflow import sources
 from workflow.plan import Job, Plan, versions
 from workflow.timeline import Frames
-from workflow.wedge.combinations import Combination
 
 WEDGES = "wedges"
 REPORT = "workflow.wedge"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.geometry.tree import FAR, morton_order
+from sim.neighbors.box_tree import FAR, morton_order
 
 
 class Boxes:

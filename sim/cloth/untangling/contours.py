@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
-from sim.cloth.fabric import edges_of
+from sim.cloth.fabric.fabric import edges_of
 from sim.cloth.untangling.crossings import Crossings
 
 ONE_WAY = 0.3

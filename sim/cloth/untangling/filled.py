@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from sim.cloth.solids import Solids
+from sim.cloth.contact.solids import Solids
 from sim.cloth.untangling.casting import cast
-from sim.geometry.distance import MeshDistance
-from sim.geometry.winding import WindingNumber
+from sim.geometry.distance.closest_points import MeshDistance
+from sim.geometry.meshes.winding import WindingNumber
 
 OUTWARD = np.concatenate([np.eye(3)[[1, 0, 2]], -np.eye(3)])
 """Ways that may lead out, upward first."""

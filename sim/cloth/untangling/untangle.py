@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scene.settings import Refused
 from sim.cloth.untangling.casting import cast
 from sim.cloth.untangling.contours import Contour, Piece, Topology, cut_off, patch, shortening, trace
 from sim.cloth.untangling.crossings import Crossings, Layers
 from sim.cloth.untangling.filled import Filled
 from sim.cloth.untangling.relaxation import Pushes, relax
-from sim.settings import Refused
 
 if TYPE_CHECKING:
-    from sim.cloth.part import PlacedSheet
-    from sim.cloth.solids import Solids
-    from sim.cloth.state import ClothState
+    from sim.cloth.contact.solids import Solids
+    from sim.cloth.fabric.state import ClothState
+    from sim.cloth.model import PlacedSheet
 
 ROUNDS = 100
 FORCE, GROWTH, MOST_FORCE = 0.1, 1.1, 1e3

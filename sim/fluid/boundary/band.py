@@ -1,11 +1,12 @@
-"""A mesh as the nodes of a narrow band tell of it: each the half-space that it sees (`sim.geometry.narrow_band`)."""
+"""A mesh as the nodes of a narrow band tell of it: each the half-space that it sees
+(`sim.geometry.distance.narrow_band`)."""
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
-from sim.double import vec3 as vec3d
+from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.curvature import shift_of
-from sim.geometry.narrow_band import BLOCK, OPPOSITE, TURNED
+from sim.geometry.distance.narrow_band import BLOCK, OPPOSITE, TURNED
 
 FAR = 1e10
 SEEN = 0.05

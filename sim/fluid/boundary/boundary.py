@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import taichi as ti
 
-from sim.arrays import numpy_real, vec4
+from sim.device.arrays import numpy_real, vec4
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.shapes import Shapes
-from sim.neighbors import NeighborList
+from sim.neighbors.spatial_hash import NeighborList
 
 if TYPE_CHECKING:
-    from sim.fluid.sheets import SheetSamples
+    from sim.fluid.boundary.one_sided_samples import OneSidedSamples
 
 GAP = 0.1
 """Spacings off a thin solid to which a particle is brought back that has gone through."""
@@ -33,7 +33,7 @@ class Boundary:
         self.faces = Faces(shapes, spacing, h, search_radius)
         self.elsewhere = Faces(shapes, spacing, h, h)
         """For other points than the particles: where these were, or would have gone."""
-        self.sheets: SheetSamples | None = None
+        self.sheets: OneSidedSamples | None = None
         self.neighbors = NeighborList(48)
         self.held_off = 0
         """Particles that were brought back since this was last set to zero."""
@@ -65,7 +65,7 @@ class Boundary:
 
     _sheet_speed = 0.0
 
-    def attach(self, sheets: SheetSamples) -> None:
+    def attach(self, sheets: OneSidedSamples) -> None:
         """Let these be the samples of sheets, in place of those there were; `move` brings all to where they are."""
         self.sheets = sheets
         self._allocate()

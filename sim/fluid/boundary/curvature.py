@@ -2,8 +2,8 @@
 
 import taichi as ti
 
-from sim.arrays import real, vec3, vec4
-from sim.geometry.fields import BOX, CAPSULE, CYLINDER, SPHERE, TORUS
+from sim.device.arrays import real, vec3, vec4
+from sim.geometry.distance.sdf import BOX, CAPSULE, CYLINDER, SPHERE, TORUS
 
 
 @ti.func

@@ -2,7 +2,7 @@
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
+from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
 from sim.fluid.boundary.gaps import (
     INCLINED,
     denser,
@@ -16,9 +16,9 @@ from sim.fluid.boundary.gaps import (
 )
 from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
 from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
-from sim.geometry.fields import GRID, PLANE
-from sim.geometry.narrow_band import OPPOSITE
-from sim.neighbors import padded
+from sim.geometry.distance.narrow_band import OPPOSITE
+from sim.geometry.distance.sdf import GRID, PLANE
+from sim.neighbors.spatial_hash import padded
 
 GROUP = 32
 """Points in a row for which solids are sought together."""

@@ -11,12 +11,12 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.arrays import GROWTH, numpy_real, real, vec2, vec4
+from sim.device.arrays import GROWTH, numpy_real, real, vec2, vec4
 from sim.fluid.boundary import face_sums
 from sim.fluid.boundary.face_sums import GROUP
 from sim.fluid.boundary.half_space import half_space_fit
 from sim.fluid.boundary.shapes import Shapes
-from sim.neighbors import NeighborList
+from sim.neighbors.spatial_hash import NeighborList
 
 
 class Faces:

@@ -7,10 +7,10 @@ where three of them see the same plane.
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
-from sim.double import vec3 as vec3d
+from sim.device.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
-from sim.geometry.narrow_band import OPPOSITE
+from sim.geometry.distance.narrow_band import OPPOSITE
 
 NEARER = 0.1
 """Cells by which a face may seem nearer than what nodes know to be the least distance."""

@@ -11,9 +11,9 @@ Functions of several half-spaces take them as `sim.fluid.boundary.faces` lists t
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
+from sim.device.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.look import surface_velocity
-from sim.geometry.narrow_band import OPPOSITE
+from sim.geometry.distance.narrow_band import OPPOSITE
 
 NARROW, WIDE = 1.2, 2.0
 """Spacings between two solids up to which no layer of particles acts on them, and from which all do."""
@@ -45,8 +45,9 @@ def wide(gap: real, spacing: real, slim: ti.i32) -> real:
     """How far what particles do in a gap between two solids is what a fluid would do: between none and all of it.
 
     One or two layers of particles press on what encloses them by how well they fit in, as molecules do (Israelachvili
-    2011, ch. 15), and not by the pressure around: that of films has to act instead (`sim.coupling.film`). A slim body
-    weighs so little against that pressure that it would tremble, and stir the fluid.
+    2011, ch. 15), and not by the pressure around: that of films has to act instead
+    (`sim.coupling.fluid_rigid.lubrication`). A slim body weighs so little against that pressure that it would tremble,
+    and stir the fluid.
     """
     least, most = ti.select(slim == 1, SLIM_NARROW, NARROW), ti.select(slim == 1, SLIM_WIDE, WIDE)
     s = ti.math.clamp((gap / spacing - least) / (most - least), 0.0, 1.0)

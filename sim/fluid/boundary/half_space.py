@@ -8,14 +8,14 @@ particle i those from begin[i] on, size[i] of them, with unit normal and distanc
 import numpy as np
 import taichi as ti
 
-from sim.arrays import IntArray, RealArray, Vec4Array, mat3, real, vec3, vec4
-from sim.fluid.calibration import calibrate_wall
+from sim.device.arrays import IntArray, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.fluid.boundary.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 
 
 def half_space_fit(spacing: float, h: float) -> tuple[float, float, float, float]:
-    """Weight, overlap and `along` of `sim.fluid.calibration.Wall`, and how far over h each half-space stands back, for
-    a lattice half a spacing [m] off it to be at rest."""
+    """Weight, overlap and `along` of `sim.fluid.boundary.calibration.Wall`, and how far over h each half-space stands
+    back, for a lattice half a spacing [m] off it to be at rest."""
     wall = calibrate_wall(spacing, h)
     return wall.weight, wall.overlap, wall.along, (wall.distance - spacing / 2) / h
 

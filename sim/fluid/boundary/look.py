@@ -1,20 +1,21 @@
 """Which half-space a solid is to a particle: unit normal and distance of the nearest point of its surface.
 
 Where a surface bulges, less of it is near than of a plane at the same distance: the distance is longer by what makes
-the density right (`sim.fluid.calibration.curvature_shift`). A thin wall has two sides. Each particle sees the one that
-it is on: with `near`, the half-space that it saw before, the other side does not count, and where there is nothing else
-the half-space goes on as it was.
+the density right (`sim.fluid.boundary.calibration.curvature_shift`). A thin wall has two sides. Each particle sees the
+one that it is on: with `near`, the half-space that it saw before, the other side does not count, and where there is
+nothing else the half-space goes on as it was.
 """
 
 import taichi as ti
 
-from sim.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
-from sim.double import vec3 as vec3d
-from sim.double import vec4 as vec4d
+from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.double import vec3 as vec3d
+from sim.device.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
 from sim.fluid.boundary.curvature import curvature_of, shift_of
 from sim.fluid.boundary.fronts import front_at, fronts
-from sim.geometry.fields import (
+from sim.geometry.distance.narrow_band import OPPOSITE
+from sim.geometry.distance.sdf import (
     BOX,
     CAPSULE,
     CYLINDER,
@@ -29,7 +30,6 @@ from sim.geometry.fields import (
     distance_to_sphere,
     distance_to_torus,
 )
-from sim.geometry.narrow_band import OPPOSITE
 
 CURVED = sum(1 << kind for kind in (SPHERE, BOX, CAPSULE, CYLINDER, TORUS))
 """Bits of the primitives that end."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from sim.arrays import integer_array, numpy_real, real, vec4
-from sim.fluid.calibration import curvature_shift
-from sim.geometry.fields import PLANE
-from sim.geometry.narrow_band import BLOCK, NarrowBand
+from sim.device.arrays import integer_array, numpy_real, real, vec4
+from sim.fluid.boundary.calibration import curvature_shift
+from sim.geometry.distance.narrow_band import BLOCK, NarrowBand
+from sim.geometry.distance.sdf import PLANE
 from sim.geometry.primitives import Primitive
 
 MOTION = 18

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from sim.settings import Refused
+from scene.load import load
+from scene.settings import Refused
 from workflow.accuracy import evidence as source
 from workflow.accuracy.choose import needed
 from workflow.accuracy.evidence import Measured, cheapest, least_error
-from workflow.scene import load
 from workflow.shelf import STUDY_FILES
 from workflow.spacings import FLUID, fineness_of_spacing, fluid_size
 from workflow.study.load import load_study

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from scene.load import load
+from scene.presets import QUALITIES
 from workflow.budget.calibrate import COARSEST
 from workflow.budget.detail import Presets
-from workflow.presets import QUALITIES
-from workflow.scene import load
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 NAMES = ("bunny", "dam_break", "drape", "everything", "tiny/splash")

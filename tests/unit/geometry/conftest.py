@@ -15,7 +15,7 @@ def _cache(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def bunny_file() -> Path:
-    from sim.geometry.assets import resolve
+    from scene.assets import resolve
 
     return resolve("pymeshfix:examples/StanfordBunny.ply", Path())
 

@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
-from sim.geometry.assets import digest, resolve
-from sim.settings import Refused
+from scene.assets import digest, resolve
+from scene.settings import Refused
 
 
 def test_path_is_relative_to_the_scene(tmp_path):

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from scene.load import load
+from sim.geometry.meshes.topology import Topology, components, signed_volume
 from sim.geometry.solids import MeshSolid, Pose
-from sim.geometry.topology import Topology, components, signed_volume
-from workflow.scene import load
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 MODELS = SCENES / "models"

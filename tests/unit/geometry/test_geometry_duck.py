@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from sim.geometry.meshes.topology import Topology, components, signed_volume
 from sim.geometry.solids import MeshSolid, Pose
-from sim.geometry.topology import Topology, components, signed_volume
 
 MODELS = Path(__file__).resolve().parents[3] / "scenes" / "models"
 SPACING = 0.0123

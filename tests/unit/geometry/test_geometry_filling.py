@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from scene.settings import Refused
 from sim.geometry.filling import fill
 from sim.geometry.shapes import place
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
-from sim.settings import Refused
 
 TURNED = Placement(position=(1, -2, 3), rotation=({"axis": (1, 2, 3), "angle": 40},), scale=1.5)
 BUNNY = MeshFile(type="mesh", file="pymeshfix:examples/StanfordBunny.ply", up="z", size=1)

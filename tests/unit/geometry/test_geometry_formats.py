@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.geometry.formats import FORMATS, read
+from scene.settings import Refused
+from sim.geometry.meshes.formats import FORMATS, read
 from sim.geometry.shapes import load_mesh
 from sim.geometry.spec import MeshFile
-from sim.settings import Refused
 
 
 def load(path):

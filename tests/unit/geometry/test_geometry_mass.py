@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import trimesh
 
+from scene.settings import Refused
 from sim.geometry.mass import from_covariance, mass_properties
 from sim.geometry.shapes import place
 from sim.geometry.spec import Box, Capsule, Cylinder, Placement, Plane, Sphere, Torus
-from sim.settings import Refused
 from tests.meshes import bow_tie, figure_of_eight
 
 DENSITY = 800.0
@@ -144,7 +144,7 @@ def test_the_volume_that_counts_wrongly(two_cubes, inverted):
 
     Lines stand (1.5 x 1.4 / 10,000)^(1/2) apart at most, and an edge of the volume is off by half of that.
     """
-    from sim.geometry.overlap import COLUMNS, volume_counted_wrongly
+    from sim.geometry.meshes.overlap import COLUMNS, volume_counted_wrongly
 
     found = volume_counted_wrongly(two_cubes([0.5, 0.4, 0.3], inverted=inverted))
     spacing = np.sqrt(1.5 * 1.4 / COLUMNS)

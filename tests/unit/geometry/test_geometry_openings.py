@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.geometry.openings import openings
-from sim.geometry.repair import repair
-from sim.geometry.topology import joined
-from sim.settings import Refused
+from scene.settings import Refused
+from sim.geometry.meshes.openings import openings
+from sim.geometry.meshes.repair import repair
+from sim.geometry.meshes.topology import joined
 from tests.surfaces import bottle, bowl, revolved, tray
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.geometry.repair import repair
+from scene.settings import Refused
+from sim.geometry.meshes.repair import repair
+from sim.geometry.meshes.topology import cleaned
 from sim.geometry.shapes import load_mesh
 from sim.geometry.spec import MeshFile
-from sim.geometry.topology import cleaned
-from sim.settings import Refused
 from tests.meshes import with_a_seam
 
 

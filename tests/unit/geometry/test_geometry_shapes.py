@@ -7,10 +7,10 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from scene.settings import Refused
 from sim.geometry.shapes import load_mesh, place, tessellate
 from sim.geometry.solids import vertex_colors
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
-from sim.settings import Refused
 
 PI = np.pi
 BOX = Box(type="box", size=(1, 2, 3))

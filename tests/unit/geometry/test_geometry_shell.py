@@ -5,12 +5,12 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
+from scene.settings import Refused
+from sim.geometry.meshes.shell import thickened
+from sim.geometry.meshes.topology import Topology
+from sim.geometry.meshes.union import united
 from sim.geometry.shapes import place
-from sim.geometry.shell import thickened
 from sim.geometry.spec import MeshFile, Placement
-from sim.geometry.topology import Topology
-from sim.geometry.union import united
-from sim.settings import Refused
 from tests.meshes import write
 from tests.surfaces import bowl, tray
 

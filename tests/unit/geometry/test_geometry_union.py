@@ -9,11 +9,11 @@ import pytest
 import trimesh
 
 from sim.geometry.mass import mass_properties
-from sim.geometry.overlap import volume_counted_wrongly
-from sim.geometry.repair import repair
+from sim.geometry.meshes.overlap import volume_counted_wrongly
+from sim.geometry.meshes.repair import repair
+from sim.geometry.meshes.topology import Topology, joined
+from sim.geometry.meshes.union import united
 from sim.geometry.solids import MeshSolid, Pose
-from sim.geometry.topology import Topology, joined
-from sim.geometry.union import united
 from tests.meshes import bow_tie, figure_of_eight
 
 
@@ -142,8 +142,8 @@ def test_a_hollow_that_no_piece_is_all_around_is_left_alone():
 UNITED = """
 import hashlib, os, sys
 import numpy as np, trimesh
-from sim.geometry.topology import joined
-from sim.geometry.union import united
+from sim.geometry.meshes.topology import joined
+from sim.geometry.meshes.union import united
 os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: int(sys.argv[1])])
 balls = [trimesh.creation.icosphere(subdivisions=4) for _ in range(6)]
 balls = [trimesh.Trimesh(np.round(b.vertices, 6) + [0.7 * k, 0.1 * k * k, 0], b.faces) for k, b in enumerate(balls)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.geometry.narrow_band import BLOCK, narrow_band
+from sim.geometry.distance.narrow_band import BLOCK, narrow_band
 
 CELL, REACH = 0.02, 0.08
 

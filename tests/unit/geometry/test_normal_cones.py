@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.geometry import normal_cones
+from sim.geometry.meshes import normal_cones
 
 
 @pytest.mark.parametrize("halvings", [3, 4])

@@ -36,5 +36,7 @@ def test_it_is_hidden_while_absent_and_leaves_no_motion_behind(body):
     assert body.thing.hide_render
     body.show(POSE, 9, exposure=0.0, fps=FPS)
     assert not body.thing.hide_render
-    assert body.thing.animation_data is None or body.thing.animation_data.action is None
-    assert len(bpy.data.actions) == 0
+    bpy.context.scene.frame_set(8)
+    assert tuple(body.thing.location) == pytest.approx(POSE.position), "it stands, whatever the frame"
+    assert sum(len(action.fcurves) for action in bpy.data.actions) == 0
+    assert len(bpy.data.actions) == 1, "and does not leave one behind in every frame"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.geometry.broad_phase import near_pairs, near_planes
+from sim.neighbors.sweep_and_prune import near_pairs, near_planes
 
 
 def test_the_pairs_are_those_whose_boxes_overlap():

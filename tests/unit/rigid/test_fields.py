@@ -22,7 +22,7 @@ ALL_IN_TIME = pytest.mark.parametrize("name", [*(name for name in SHAPES if name
 
 
 def _contact_shape(name: str):
-    from sim.rigid.shapes import contact_shape
+    from sim.rigid.collision.shapes import contact_shape
 
     solid = place(SHAPES[name], PLACEMENT, Path())
     return solid, contact_shape(solid)
@@ -30,15 +30,15 @@ def _contact_shape(name: str):
 
 def _lookup(shape, points: np.ndarray) -> np.ndarray:
     """Directions and distances of world points [m], shape [n, 4], by the kernels."""
-    from sim import runtime
+    from sim.device import runtime
 
     runtime.start(threads=1, arch="cpu")
     import taichi as ti
 
-    from sim.double import Quaternions, Vectors
+    from sim.device.double import Quaternions, Vectors
     from sim.rigid.body import Body
-    from sim.rigid.narrow_phase import Shapes, distance
-    from sim.rigid.tables import shapes
+    from sim.rigid.collision.arrays import shapes
+    from sim.rigid.collision.narrow_phase import Shapes, distance
 
     @ti.kernel
     def look(kinds: ti.template(), count: ti.i32, points: Vectors, pack: Shapes, found: Quaternions):
@@ -77,7 +77,7 @@ def test_distances_and_directions(name):
 
 @ALL_IN_TIME
 def test_features_lie_on_the_surface(name):
-    from sim.rigid.shapes import AXIS, CIRCLE
+    from sim.rigid.collision.shapes import AXIS, CIRCLE
 
     solid, shape = _contact_shape(name)
     features = shape.features

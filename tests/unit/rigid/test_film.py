@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.coupling.film import Film, elements
+from sim.coupling.fluid_rigid.lubrication import Film, elements
 from tests.floating import RHO, G, pool
 
 SHAPES = {
@@ -46,8 +46,8 @@ def films(body: dict, pressure, water: dict | None = None, raised: float = 0.0) 
     """
     import taichi as ti
 
+    from sim.run.stepping import Run
     from sim.spec import SimulationSpec
-    from sim.stepping import Run
 
     body = {"motion": "dynamic", "density": 2000.0, **body}
     scene = pool("dfsph", 0.02, (0.6, 0.6, 0.5), 0.3, body)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from sim.rigid.interior_point import impulses
+from sim.rigid.dynamics.interior_point import impulses
 
 MASS, SIDE, G, DT = 2.0, 0.3, 9.81, 0.01
 INERTIA = MASS * SIDE**2 / 6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.coupling.lightness import lightness
+from sim.coupling.fluid_rigid.density_ratio import lightness
 
 LAYER = 20.0
 

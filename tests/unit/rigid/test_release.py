@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.rigid.release import borne_by, wrenches
+from sim.rigid.dynamics.release import borne_by, wrenches
 
 CRATE, ON_IT, APART, LIFT, GROUND = range(5)
 FREE = np.array([True, True, True, False, False])

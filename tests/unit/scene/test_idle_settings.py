@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from workflow import idle
-from workflow.scene import load
+from scene.diagnostics import idle
+from scene.load import load
 
 SCENE = """\
 duration: 1

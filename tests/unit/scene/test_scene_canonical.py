@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from sim.units import Unit
-from workflow.scene import load
+from scene.load import load
+from scene.units import Unit
 
 RADIUS = "particle_radius: 25 mm"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from render.spec import RenderSpec
-from workflow.presets import PRESETS, QUALITIES
-from workflow.scene import load
+from scene.load import load
+from scene.presets import PRESETS, QUALITIES
 from workflow.surface_spec import SurfaceSpec
 
 

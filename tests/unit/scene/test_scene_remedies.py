@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-FOLDERS = ("sim", "render", "workflow")
+FOLDERS = ("common", "scene", "sim", "render", "workflow")
 
 
 def raised(source: str) -> list[str]:
@@ -27,7 +27,7 @@ def raised(source: str) -> list[str]:
 
 
 def test_every_validator_says_what_to_do(project):
-    """`what is wrong: what to do`, of which `sim.wrong_values.said` makes the two parts of an answer."""
+    """`what is wrong: what to do`, of which `scene.diagnostics.wrong_values.said` makes the two parts of an answer."""
     found = {
         (path.relative_to(project), error)
         for folder in FOLDERS

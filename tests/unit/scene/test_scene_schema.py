@@ -7,9 +7,9 @@ import json
 import jsonschema
 import pytest
 
+from scene.document import parse, read
+from scene.load import load
 from workflow import schema
-from workflow.document import parse, read
-from workflow.scene import load
 from workflow.shelf import SCENE_FILES
 
 

@@ -7,7 +7,7 @@ import math
 import pytest
 from pydantic_core import PydanticCustomError
 
-from sim.units import Unit
+from scene.units import Unit
 
 GOOD = [
     ("m", "1 ft", 0.3048),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cloth.collision import Known
-from sim.cloth.search import EDGE, PLANE, POINT
+from sim.cloth.contact.collision import Known
+from sim.cloth.contact.search import EDGE, PLANE, POINT
 from tests.cloths import part, sheet
 
 
@@ -29,8 +29,8 @@ def contacts(*keys: tuple[int, ...]) -> Known:
 
 
 def push(cloth, *keys: tuple[int, ...]) -> np.ndarray:
-    from sim.cloth.adrift import Adrift
-    from sim.cloth.tables import vectors
+    from sim.cloth.fabric.arrays import vectors
+    from sim.cloth.integrators.free_pieces import Adrift
 
     force = np.zeros((cloth.mesh.count, 3))
     force[0], force[5], force[9] = [1, 0, 0], [0, 3, 0], [0, 0, 7]
@@ -64,7 +64,7 @@ def test_what_touches_a_plane_a_solid_or_held_cloth_is_left_alone(cloth, key):
 @pytest.mark.parametrize(("others", "share"), [(0.0, 1.0), (0.1, 0.8), (0.5, 0.0), (1.0, 0.0)])
 def test_what_falls_does_so_the_less_the_more_acts_on_it(cloth, others, share):
     """Forces of `others`, over gravity; a towel that touches a plane falls no more than what is held."""
-    from sim.cloth.adrift import Adrift
+    from sim.cloth.integrators.free_pieces import Adrift
 
     gravity = np.array([0.0, -10.0, 0.0])
     change = np.tile((1 - others) * gravity, (cloth.mesh.count, 1))
@@ -74,6 +74,6 @@ def test_what_falls_does_so_the_less_the_more_acts_on_it(cloth, others, share):
 
 
 def test_nothing_falls_without_gravity(cloth):
-    from sim.cloth.adrift import Adrift
+    from sim.cloth.integrators.free_pieces import Adrift
 
     assert Adrift(cloth.mesh).falling(contacts(), np.zeros(3), np.zeros((cloth.mesh.count, 3))) is None

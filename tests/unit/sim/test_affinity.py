@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from sim.affinity import bound
+from sim.device.affinity import bound
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="threads can not be bound here")
 ALL = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []

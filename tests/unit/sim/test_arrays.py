@@ -11,7 +11,7 @@ pytestmark = pytest.mark.usefixtures("taichi")
 @pytest.mark.parametrize("room", [3, 100])
 def test_what_comes_has_zero_where_nothing_is_given(room):
     """Otherwise a run and one that goes on from its state, which has less room, would differ."""
-    from sim.arrays import Declared, Particles, numpy_real
+    from sim.device.arrays import Declared, Particles, numpy_real
 
     declared = [Declared("place", "vec4", "m"), Declared("past", "real", "", saved=False)]
     particles = Particles(declared, room)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from sim.output import Output
+from sim.run.output import Output
+from sim.run.stepping import Run
 from sim.spec import Event, SimulationSpec
-from sim.stepping import Run
 from tests.floating import BOX, box_in_pool
 from tests.in_time import in_time
 

@@ -8,10 +8,10 @@ import sys
 
 import pytest
 
-from tests.unit.sim.test_rigid_not_loaded import ALWAYS, CODE, MOTIONS, ROOT
+from tests.unit.sim.test_rigid_not_loaded import CODE, MOTIONS, ROOT, modules_below
 
-MODULES = {f"sim.cloth.{path.stem}" for path in (ROOT / "sim/cloth").glob("*.py") if path.stem not in ALWAYS}
-MODULES |= {"sim.coupling.cloth_rigid", "sim.geometry.tree"}
+MODULES = modules_below("cloth")
+MODULES |= {"sim.coupling.cloth_solids", "sim.neighbors.box_tree"}
 SHEET = {"shape": {"type": "sheet", "size": [0.2, 0.2]}, "spacing": 0.1, "position": [0, 1, 0]}
 SCENES = {
     "bodies": MOTIONS["dynamic"],
@@ -33,7 +33,7 @@ def test_what_a_scene_loads_and_launches(tmp_path, name):
         assert not loaded
         assert not launched
     else:
-        assert {"sim.cloth.part", "sim.cloth.implicit_euler"} <= loaded
-        assert not {"sim.cloth.xpbd", "sim.cloth.symplectic_euler"} & loaded
-        assert ("sim.coupling.cloth_rigid" in loaded) == (name != "cloth alone")
-        assert "sim.cloth.newton_sums.assess" in launched
+        assert {"sim.cloth.model", "sim.cloth.integrators.implicit_euler"} <= loaded
+        assert not {"sim.cloth.integrators.xpbd", "sim.cloth.integrators.symplectic_euler"} & loaded
+        assert ("sim.coupling.cloth_solids" in loaded) == (name != "cloth alone")
+        assert "sim.cloth.integrators.newton_sums.assess" in launched

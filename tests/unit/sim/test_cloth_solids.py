@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.coupling.cloth_rigid import find_solids
-from sim.obstacles import find_obstacles
+from sim.bodies.obstacles import find_obstacles
+from sim.coupling.cloth_solids import find_solids
 from sim.spec import SimulationSpec
 
 

@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[3]
 SCENE = ROOT / "scenes" / "tiny" / "still.yaml"
 PRINTS = """
 import sys
-from sim.command import end_with
+from common.command import end_with
 
 def main():
     for number in range(100_000):
@@ -25,7 +25,7 @@ end_with(main)
 MAKES = """
 import sys
 from pathlib import Path
-from sim.command import end_with
+from common.command import end_with
 
 def main():
     for number in range(100_000):
@@ -106,6 +106,6 @@ def test_a_full_disk_is_told(buffered):
 
 
 def test_no_traceback_at_an_interrupt():
-    script = "from sim.command import end_with\ndef main(): raise KeyboardInterrupt\nend_with(main)"
+    script = "from common.command import end_with\ndef main(): raise KeyboardInterrupt\nend_with(main)"
     done = run(["-c", script])
     assert (done.returncode, done.stderr) == (130, "")

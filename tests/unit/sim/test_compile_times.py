@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from sim import compilation
-from sim.stopwatch import Stopwatch
+from common.stopwatch import Stopwatch
+from sim.device import compilation
 
 
 def test_the_first_call_of_a_kernel_counts(taichi):

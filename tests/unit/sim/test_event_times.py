@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim.events import events_between, spec_at, spec_before
+from scene.events import events_between, spec_at, spec_before
 from sim.spec import SimulationSpec
 
 TIMES = (0.1, 0.25, 0.25, 0.3)

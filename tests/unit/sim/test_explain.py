@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.explain import Explanation, explain
+from sim.checks.explain import Explanation, explain
 from sim.spec import SimulationSpec
 
 WATER = {

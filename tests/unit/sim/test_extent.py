@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.extent import filmed
+from sim.run.extent import filmed
+from sim.run.world import World
 from sim.spec import SimulationSpec
-from sim.world import World
 
 TOWEL = {"shape": {"type": "sheet", "size": [0.4, 0.4]}, "spacing": 0.1, "thickness": 0.006}
 

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.failure import MOST_STEPS, find_fault, short_step
 from sim.fluid.system import Measure
+from sim.run.failure import MOST_STEPS, find_fault, short_step
 from sim.spec import SimulationSpec
 
 GOOD = Measure(

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sim import kernel_cache
-from sim.settings import Refused
+from scene.settings import Refused
+from sim.device import kernel_cache
 
 ROOT = Path(__file__).resolve().parents[3]
 SCRIPT = """
@@ -18,7 +18,7 @@ import sim
 import numpy as np
 import taichi as ti
 
-from sim import runtime
+from sim.device import runtime
 
 runtime.start(threads=1, arch="cpu")
 

@@ -34,7 +34,7 @@ def add(taichi):
 @pytest.fixture
 def kept(taichi):
     """How many calls are kept, of those made in a test."""
-    from sim import launching
+    from sim.device import launching
 
     launching.forget()
     return lambda: len(launching._packed)

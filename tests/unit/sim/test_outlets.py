@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.fluid.emitters import find_outlet
+from scene.settings import Refused
+from sim.fluid.inflow.emitters import find_outlet
 from sim.fluid.spec import Emitter, Fluid
-from sim.settings import Refused
 
 D = 0.02
 FLUID = Fluid(particle_radius=D / 2)

@@ -14,9 +14,9 @@ def test_the_step_is_that_of_the_first_particle(taichi):
     """v t + a t^2 = s, solved for each particle by its polynomial; none has both the greatest v and the greatest a."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.limits import way_limit
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
+    from sim.fluid.time_step_limits import way_limit
 
     speed, acceleration = np.array([3.0, 0.0, 1.5, 0.2]), np.array([9.81, 800.0, 300.0, 0.0])
     spec = Fluid(particle_radius=0.01)

@@ -19,7 +19,7 @@ def solid(tmp_path, radius: float, at=(0.0, 0.0, 0.0)):
 
 
 def source(tmp_path, **body):
-    from sim.fluid.sources import find_source
+    from sim.fluid.seeding.sources import find_source
 
     return find_source("water", FluidBody.model_validate(body), Fluid(particle_radius=SPACING / 2), tmp_path, ())
 
@@ -34,7 +34,7 @@ def fourth_moment(points: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def ball(tmp_path_factory):
-    from sim.fluid.packing import fill_relaxed
+    from sim.fluid.seeding.packing import fill_relaxed
 
     return fill_relaxed(solid(tmp_path_factory.mktemp("ball"), 10 * SPACING), SPACING)
 
@@ -66,7 +66,7 @@ def test_no_direction_is_another(tmp_path, ball):
 
 
 def test_a_shape_that_is_moved_takes_its_particles_along(tmp_path, ball):
-    from sim.fluid.packing import fill_relaxed
+    from sim.fluid.seeding.packing import fill_relaxed
 
     moved = fill_relaxed(solid(tmp_path, 10 * SPACING, (1.0, -2.0, 0.5)), SPACING)
     distance, _ = cKDTree(moved - [1.0, -2.0, 0.5]).query(ball)
@@ -74,7 +74,7 @@ def test_a_shape_that_is_moved_takes_its_particles_along(tmp_path, ball):
 
 
 def test_a_few_particles_are_on_a_lattice(tmp_path):
-    from sim.fluid.packing import fill_relaxed
+    from sim.fluid.seeding.packing import fill_relaxed
 
     few = solid(tmp_path, 2.2 * SPACING)
     np.testing.assert_array_equal(fill_relaxed(few, SPACING), fill(few, SPACING))

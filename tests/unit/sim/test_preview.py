@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.preview import preview
+from sim.checks.preview import preview
 from sim.spec import SimulationSpec
 
 PLANE = {"shape": {"type": "plane"}}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim import runtime
+from sim.device import runtime
 
 COUNT = 500
 STARTS = 8

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from sim.shortfalls import Work, shortfalls
+from sim.run.shortfalls import Work, shortfalls
+from sim.run.world import Counts
 from sim.spec import SimulationSpec
-from sim.world import Counts
 
 BALL = {"shape": {"type": "sphere", "radius": 0.1}, "position": [0, 1, 0], "motion": "dynamic", "density": 500}
 WORK = Work(steps=1000, particle_steps=1_000_000, point_steps=100_000)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from sim.signals import SIGNALS
+from common.signals import SIGNALS
 
 ROOT = Path(__file__).resolve().parents[3]
 BUSY = """
-from sim import signals
+from common import signals
 
 with signals.handled(lambda number, frame: print("heard")), signals.at_once():
     print(signals.are_at_once(), flush=True)
@@ -22,7 +22,7 @@ with signals.handled(lambda number, frame: print("heard")), signals.at_once():
 """The sum takes minutes, and no other thread of Python runs meanwhile, as while Taichi compiles."""
 LISTENING = """
 import signal
-from sim import signals
+from common import signals
 
 with signals.at_once(), signals.handled(lambda number, frame: print("heard", number)):
     print(signals.are_at_once())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.probes import _heights
+from sim.run.probes import _heights
 
 H = 0.04
 

@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from sim.files import Reserve, Table, write_json
+from common.files import Reserve, Table, write_json
 
 COLUMNS = ("step", "time")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim.time_left import RECENT, TimeLeft, duration
+from common.time_left import RECENT, TimeLeft, duration
 
 CONSTANT = [0.02] + 24 * [1.5]
 """Frame 0 is only written; every other one is as dear as the others."""

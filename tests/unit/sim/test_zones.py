@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cloth.zones import Zones
+from sim.cloth.contact.impact_zones import Zones
 
 MASS = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 0.0, 0.0])
 """[kg]; the last two points are fixed."""

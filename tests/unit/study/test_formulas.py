@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.study.formula import constants, evaluate
 
 

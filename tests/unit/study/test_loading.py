@@ -8,8 +8,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from scene.document import SceneError, read
 from tests import falling_ball
-from workflow.document import SceneError, read
 from workflow.plan import ENTRY
 from workflow.shelf import STUDY_FILES
 from workflow.study import schema

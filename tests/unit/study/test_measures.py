@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.ply import write_surface
 from workflow.study import measure
 from workflow.study.spec import ByFormula, ByTable, Quantity

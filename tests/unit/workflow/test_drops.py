@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.wall import Wall
+from scene.presets import PRESETS
+from sim.bodies.wall import Wall
 from tests.lattices import lattice
 from tests.meshes import open_edges
-from workflow.presets import PRESETS
 from workflow.surface import reconstruct
 from workflow.surface_mesh import Surface
 from workflow.surface_spec import ReconstructSpec

@@ -9,7 +9,7 @@ import imageio_ffmpeg
 import pytest
 from PIL import Image
 
-from sim.settings import Refused
+from scene.settings import Refused
 from workflow.contact_sheet import chosen, contact_sheet
 from workflow.film import main, run
 from workflow.film_spec import ContactSheet, FilmJobSpec, FilmSpec

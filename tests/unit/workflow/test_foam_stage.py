@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.files import FLUID_POINT, write_mesh, write_points
+from common.files import FLUID_POINT, write_mesh, write_points
 from tests.lattices import lattice
 from workflow.foam import main
 from workflow.ply import read_points

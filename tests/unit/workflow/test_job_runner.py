@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from workflow.manifest import Manifest, damage
+from common.manifest import Manifest, damage
 
 ROOT = Path(__file__).resolve().parents[3]
 

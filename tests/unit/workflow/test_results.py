@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from common.manifest import Manifest, damage, spoiled
 from workflow import record
-from workflow.manifest import Manifest, damage, spoiled
 from workflow.plan import Job
 from workflow.results import Unrecorded, refuse_unrecorded, repairs
 from workflow.timeline import Frames

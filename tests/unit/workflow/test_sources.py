@@ -19,21 +19,24 @@ from .units import metre
 def load(material):
     if material == "cloth":
         from sim.cloth import solver
-    from sim.coupling import fluid_rigid, fluid_cloth, common
+    from sim.coupling import fluid_cloth, common
+    from sim.coupling.fluid_rigid import film, solids
 SOLVERS = {"dfsph": "sim.fluid.dfsph:Dfsph"}
 TEXT = "sim.fluid.unknown"
 """,
     "sim/units.py": "metre = 1\n",
     "sim/unused.py": "",
-    "sim/fluid/__init__.py": "",
+    "sim/fluid/__init__.py": 'MATERIALS = ("fluid",)\n',
     "sim/fluid/dfsph.py": "from sim.fluid.kernel import w\n",
     "sim/fluid/kernel.py": "",
-    "sim/cloth/__init__.py": "",
+    "sim/cloth/__init__.py": 'MATERIALS = ("cloth",)\n',
     "sim/cloth/solver.py": "from sim.cloth_tools import x\n",
     "sim/cloth_tools.py": "",
     "sim/coupling/__init__.py": "",
-    "sim/coupling/fluid_rigid.py": "",
-    "sim/coupling/fluid_cloth.py": "",
+    "sim/coupling/fluid_rigid/__init__.py": '"""Both."""\nMATERIALS = ("fluid", "rigid")\n',
+    "sim/coupling/fluid_rigid/film.py": "",
+    "sim/coupling/fluid_rigid/solids.py": 'MATERIALS = ("fluid",)\n',
+    "sim/coupling/fluid_cloth.py": 'MATERIALS = ("fluid", "cloth")\n',
     "sim/coupling/common.py": "",
     "render/__init__.py": "",
     "render/__main__.py": "import sim.units\n",
@@ -91,12 +94,16 @@ def test_imports_over_many_lines_with_comments_and_aliases(tmp_path):
     assert names(tmp_path, "sim.entry") == {f"sim/{name}.py" for name in ("__init__", "a", "b", "c", "entry")}
 
 
-def test_materials_that_are_not_used_do_not_count(tree):
+def test_what_declares_a_material_counts_for_scenes_with_it(tree):
+    """A module's own declaration comes before that of its package; what declares nothing counts for all."""
     found = names(tree, "sim.segment", "fluid", "rigid")
     assert not {name for name in found if "cloth" in name}
-    assert {"sim/coupling/fluid_rigid.py", "sim/coupling/common.py", "sim/fluid/kernel.py"} <= found
+    film, solids = "sim/coupling/fluid_rigid/film.py", "sim/coupling/fluid_rigid/solids.py"
+    assert {film, solids, "sim/coupling/common.py", "sim/fluid/kernel.py"} <= found
+    assert {film, solids} & names(tree, "sim.segment", "fluid") == {solids}
     dry = names(tree, "sim.segment", "rigid")
-    assert not {name for name in dry if "fluid" in name}
+    assert "sim/coupling/common.py" in dry
+    assert not {film, solids, "sim/fluid/dfsph.py"} & dry
 
 
 def test_a_package_starts_at_its_main(tree):

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scene.presets import PRESETS, QUALITIES
 from tests.meshes import open_edges
 from workflow.ply import BadPly, columns, read_points
-from workflow.presets import PRESETS, QUALITIES
 from workflow.reconstruct import run
 from workflow.surface import reconstruct
 from workflow.surface_spec import ReconstructSpec, SurfaceSpec

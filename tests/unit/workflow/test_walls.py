@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.bodies.wall import Wall
 from sim.spec import SimulationSpec
-from sim.wall import Wall
 from tests.lattices import lattice
 from tests.meshes import open_edges
 from workflow.standing import standing_walls

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from sim.settings import Refused
+from common.manifest import Manifest
+from scene.document import SceneError
+from scene.load import combination_of, load
+from scene.settings import Refused
+from scene.wedge import combinations, split
 from tests import falling_ball
-from workflow.document import SceneError
-from workflow.manifest import Manifest
-from workflow.scene import combination_of, load
 from workflow.wedge.__main__ import main
-from workflow.wedge.combinations import combinations, split
 
 SCENE = falling_ball.scene(
     0.5,

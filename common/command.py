@@ -1,0 +1,105 @@
+"""How the commands of this project begin and end: with all streams open, and quietly when their reader has gone."""
+
+from __future__ import annotations
+
+import errno
+import io
+import os
+import signal
+import sys
+from collections.abc import Callable
+from typing import NoReturn, TextIO
+
+from common.signals import INTERRUPTED
+
+FAILED = 1
+READER_GONE = 128 + signal.SIGPIPE
+"""What a shell tells of a command that ended of it."""
+FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
+def end_with(main: Callable[[], int | None], *, goes_on: bool = False) -> NoReturn:
+    """End the process with what `main` returns, or with READER_GONE once nobody reads what it prints.
+
+    `goes_on`: `main` makes files, and makes them unheard; see `go_on_unheard`.
+    """
+    _open_streams()
+    if goes_on:
+        go_on_unheard()
+    sys.exit(_status(main))
+
+
+def go_on_unheard() -> None:
+    """From now on nothing is lost but words where what this process prints can not be written any more.
+
+    Streams that were put in place of its own stay as they are.
+    """
+    if sys.stdout is sys.__stdout__:
+        sys.stdout = sys.__stdout__ = _unheard(sys.stdout)
+    if sys.stderr is sys.__stderr__:
+        sys.stderr = sys.__stderr__ = _unheard(sys.stderr)
+
+
+class _Unheard(io.FileIO):
+    """Takes whatever is written, and drops what can not be."""
+
+    def write(self, data: bytes | memoryview) -> int | None:
+        try:
+            return super().write(data)
+        except OSError:
+            return memoryview(data).nbytes
+
+
+def _unheard(stream: TextIO) -> TextIO:
+    stream.flush()
+    raw = _Unheard(stream.fileno(), "w", closefd=False)
+    return io.TextIOWrapper(
+        io.BufferedWriter(raw),
+        encoding=stream.encoding,
+        errors="backslashreplace",
+        line_buffering=stream.line_buffering,
+        write_through=stream.write_through,
+    )
+
+
+def _status(main: Callable[[], int | None]) -> int | str | None:
+    try:
+        try:
+            status = main()
+        except SystemExit as ending:
+            status = ending.code
+        except KeyboardInterrupt:
+            status = INTERRUPTED
+        sys.stdout.flush()
+        sys.stderr.flush()
+        return status
+    except BrokenPipeError:
+        _drop(sys.stdout, sys.stderr)
+        return READER_GONE
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        print(f"what was to be written can not be: {error.strerror}", file=sys.stderr)
+        _drop(sys.stdout)
+        return FAILED
+
+
+def _drop(*streams: TextIO) -> None:
+    """Send what is still in the buffers nowhere, or Python complains of it when it ends."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in streams:
+        os.dup2(nowhere, stream.fileno())
+
+
+def _open_streams() -> None:
+    """Where one of the three streams was closed, the next file that is opened would take its place."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stdout is None:
+        sys.stdout = sys.__stdout__ = os.fdopen(1, "w", closefd=False, encoding="utf-8")
+    if sys.stderr is None:
+        sys.stderr = sys.__stderr__ = os.fdopen(2, "w", closefd=False, encoding="utf-8")
+    sys.stdout.reconfigure(errors="backslashreplace")

@@ -1,0 +1,198 @@
+"""Bodies that obey forces, as cloth has them that touches them: each gives way to it as a whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.cloth.fabric.arrays import clear, filled, incidence, integers, matrices, numbers, vectors
+from sim.cloth.fabric.layout import Holds, Loose
+from sim.geometry.components import groups
+
+
+@dataclass(frozen=True)
+class Meetings:
+    """Where bodies touch others, or solids that are led or at rest, as a step without cloth leaves them."""
+
+    body: np.ndarray
+    """Rows of both, -1 of what does not obey forces, shape [n, 2]."""
+    arm: np.ndarray
+    """From their centres of mass to where they touch [m], shape [n, 2, 3]."""
+    normal: np.ndarray
+    """Towards the first, shape [n, 3]."""
+    gap: np.ndarray
+    """[m], shape [n]."""
+    friction: np.ndarray
+    """Coefficients while sliding and at rest, shape [n, 2]."""
+    force: np.ndarray
+    """On the first [N], shape [n, 3]."""
+    before: np.ndarray
+    """The same in the step before, cloth and all."""
+
+    @classmethod
+    def none(cls) -> Meetings:
+        return cls(np.zeros((0, 2), int), *(np.zeros((0, *shape)) for shape in ((2, 3), (3,), (), (2,), (3,), (3,))))
+
+    def take(self, rows: np.ndarray) -> Meetings:
+        return Meetings(*(values[rows] for values in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What a step would do to bodies, unless the cloth changes it; so many rows in each."""
+
+    centre: np.ndarray
+    """Centres of mass at its end [m], shape [n, 3]."""
+    mass: np.ndarray
+    """[kg], shape [n]."""
+    inertia: np.ndarray
+    """About their centres, in the axes of the scene [kg m^2], shape [n, 3, 3]."""
+    lag: np.ndarray
+    """By how much they are off where their velocities at its end would have taken them [m], shape [n, 3]: what falls
+    freely goes on a parabola, what meets something does not."""
+    meetings: Meetings
+
+
+class LooseBodies:
+    """The tables of those bodies. `owner`: of each point of solids the row of its body, -1 where that is led or at
+    rest, shape [m]; `first`: number of the first such point."""
+
+    def __init__(self, owner: np.ndarray, first: int):
+        self.owner, self.first = owner, first
+        self.count = int(owner.max(initial=-1)) + 1
+        rows = 2 * self.count
+        self.places = np.zeros((len(owner), 3))
+        """Of points of solids, where they go without what is looked for [m]."""
+        self._centre = np.zeros((self.count, 3))
+        self.mass = np.zeros(self.count)
+        """[kg]"""
+        self._groups, self._group = self.count, np.arange(self.count)
+        self._reach = np.tile([1.0, 0.0], self.count)
+        self._arrays = {
+            "loose_block": matrices(rows),
+            **{name: vectors(np.zeros((rows, 3))) for name in ("loose_way", "loose_base", "loose_aim")},
+        }
+        self.tables = Loose(**self._arrays)
+        self.reach = numbers(self._reach)
+        """How far a way or turn of 1 takes points of bodies at most."""
+        self._list(np.zeros((0, 2), int))
+        self.meetings = Meetings.none()
+        """Those that what the cloth does to bodies may change."""
+        self.all_meetings = self.meetings
+        self.taken = np.zeros(0, int)
+        """Which they are of all."""
+        self.load = np.zeros((self.count, 6))
+        """Forces [N] and torques [N m] that bodies are aimed at with, and that are looked for anew."""
+
+    def aim(self, bodies: Bodies, places: np.ndarray, dt: float) -> None:
+        """A step of dt [s] begins, after which points of solids would be at `places` [m], shape [m, 3]."""
+        if not self.count:
+            return
+        self.places, self._centre, self.mass, self._lag = places, bodies.centre, bodies.mass, bodies.lag
+        self.all_meetings, self.meetings, self.taken = bodies.meetings, Meetings.none(), np.zeros(0, int)
+        block = np.empty((self.count, 2, 3, 3))
+        block[:, 0] = bodies.mass[:, None, None] * np.eye(3)
+        block[:, 1] = bodies.inertia
+        block = block.reshape(-1, 3, 3)
+        self._gives = dt * dt * np.linalg.inv(block)
+        self._reach[1::2] = 0.0
+        arms = np.linalg.norm(places - self._centre[self.owner], axis=1)
+        np.maximum.at(self._reach, 2 * self.owner[self.owner >= 0] + 1, arms[self.owner >= 0])
+        filled(self._arrays["loose_block"], block / (dt * dt))
+        filled(self.reach, self._reach)
+        clear(self._arrays["loose_way"])
+
+    def hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of contacts of the cloth with these points and weights, and of `meetings` after them, the bodies, -1 for
+        none, shape [n, 2], sums of weights, [n, 2], and arms [m], [n, 2, 3], as `Touches` has them; lists all."""
+        body, total, arm = self._hold(key, weight)
+        if not self.count:
+            return body, total, arm
+        met = self._meet(np.unique(body[body >= 0]))
+        sides = np.where(met.body >= 0, [1.0, -1.0], 0.0)
+        arms = sides[:, :, None] * met.arm
+        self.load = self.sum(met.body, wrenches(sides, arms, met.force))
+        filled(self._arrays["loose_aim"], self._ways_by(np.zeros((self.count, 6))))
+        whole = np.concatenate([body, met.body])
+        self._list(whole)
+        return whole, np.concatenate([total, sides]), np.concatenate([arm, arms])
+
+    def try_forces(self, wrench: np.ndarray) -> None:
+        """Try ways by forces [N] and torques [N m], shape [n, 6]."""
+        filled(self._arrays["loose_way"], self._ways_by(wrench))
+
+    def _ways_by(self, wrench: np.ndarray) -> np.ndarray:
+        """Ways [m] and turns [rad] in a step by forces [N] and torques [N m] in place of those aimed at."""
+        way = (self._gives @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
+        way[::2] += np.where(self._touched[:, None], self._lag, 0.0)
+        return way
+
+    def _meet(self, touching: np.ndarray) -> Meetings:
+        """Find meetings of bodies that the cloth touches, and of all that hang together with them."""
+        every = self.all_meetings
+        between = every.body[(every.body >= 0).all(axis=1)]
+        self._groups, self._group = groups(between[:, 0], between[:, 1], self.count)
+        mine = self._touched = np.isin(self._group, self._group[touching])
+        self.taken = np.flatnonzero(((every.body >= 0) & mine[every.body]).any(axis=1))
+        self.meetings = every.take(self.taken)
+        return self.meetings
+
+    def _list(self, body: np.ndarray) -> None:
+        first, entry = incidence(np.where(body >= 0, body, self.count), self.count)
+        self.holds = Holds(first_hold=integers(first), of_hold=integers(entry[: int(first[-1])]))
+
+    def _hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of contacts of the cloth."""
+        body = np.full((len(key), 2), -1)
+        total, arm = np.zeros((len(key), 2)), np.zeros((len(key), 2, 3))
+        if self.count and len(key):
+            corner = key[:, 1:] - self.first
+            owner = np.where(corner >= 0, self.owner[np.maximum(corner, 0)], -1)
+            body[:, 0] = owner.max(axis=1)
+            mine = np.where(owner >= 0, weight, 0.0)
+            away = self.places[np.maximum(corner, 0)] - self._centre[body[:, :1]]
+            total[:, 0], arm[:, 0] = mine.sum(axis=1), (mine[:, :, None] * away).sum(axis=1)
+        return body, total, arm
+
+    def sum(self, body: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Values of the sides of contacts, shape [n, 2, 6], added up by bodies, shape [bodies, 6]."""
+        found = np.zeros((self.count, 6))
+        np.add.at(found, body[body >= 0], values[body >= 0])
+        return found
+
+    def heaviest(self, body: np.ndarray) -> float:
+        """The greatest mass that a contact of the cloth bears [kg], of bodies that lie on one another, too, where these
+        are the bodies of contacts, shape [n, 2]."""
+        if not (self.count and len(body)):
+            return 0.0
+        number = np.bincount(self._group[body[body >= 0]], minlength=self._groups)
+        mass = np.bincount(self._group, self.mass, self._groups)
+        return float((mass / np.maximum(number, 1)).max(initial=0.0, where=number > 0))
+
+    def ways(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of bodies ways [m] and turns [rad] from where they would have gone, both of shape [n, 3]."""
+        found = self._arrays["loose_way"].to_numpy()[: 2 * self.count].reshape(-1, 2, 3)
+        return found[:, 0], found[:, 1]
+
+    def moved(self) -> np.ndarray:
+        """Where their points, and those of other solids, go with them [m], shape [m, 3]."""
+        from scipy.spatial.transform import Rotation
+
+        if not self.count:
+            return self.places
+        way, turn = self.ways()
+        places, mine = self.places.copy(), self.owner >= 0
+        owner = self.owner[mine]
+        arm = places[mine] - self._centre[owner]
+        places[mine] = self._centre[owner] + way[owner] + Rotation.from_rotvec(turn)[owner].apply(arm)
+        return places
+
+    @property
+    def bytes(self) -> int:
+        return 8 * self.count * 2 * (9 + 9 + 1)
+
+
+def wrenches(total: np.ndarray, arm: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Forces and torques on the sides of contacts, shape [n, 2, 6]."""
+    return np.concatenate([total[:, :, None] * force[:, None], np.cross(arm, force[:, None])], axis=2)

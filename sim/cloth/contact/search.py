@@ -1,0 +1,168 @@
+"""Where moving surfaces come near each other."""
+
+import taichi as ti
+
+from sim.cloth.contact.ccd import time_of_nearness
+from sim.cloth.contact.proximity import nearest
+from sim.cloth.fabric.layout import Weights
+from sim.device.double import Integers, Numbers, Vectors, vec3
+from sim.neighbors.box_tree import meet, next_node
+
+POINT, EDGE, PLANE = range(3)
+"""Kinds of pairs; planes are numbered from PLANE on."""
+
+Hits = ti.types.argpack(
+    corner=Integers,
+    weight=Weights,
+    toward=Vectors,
+    narrow=Integers,
+)
+"""Pairs that come near: four points, their weights then, and the unit vector to the first primitive; and whether they
+come nearer than they may at all."""
+
+
+@ti.kernel
+def find_near(
+    edges: ti.template(),
+    itself: ti.template(),
+    crowded: ti.template(),
+    queries: ti.i32,
+    room: ti.i32,
+    leaves: ti.i32,
+    primitives: ti.i32,
+    early: ti.f64,
+    least: ti.f64,
+    at_rest: ti.f64,
+    query: Integers,
+    member: Integers,
+    low: Vectors,
+    high: Vectors,
+    half: Numbers,
+    start: Vectors,
+    place: Vectors,
+    rest: Vectors,
+    number: Integers,
+    hits: Hits,
+):
+    """For each point, or edge, the triangles, or edges, of a tree that come nearer than `early` of the thickness on the
+    way from `start` to `place` [m], at most `room` of them; `least`: share of the thickness, and of the distance at the
+    start, that has to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it.
+    `crowded`: pairs are no thicker than the share `at_rest` of their distance at `rest` [m]."""
+    for k in range(queries):
+        i = query[2 * k] if ti.static(edges) else query[k]
+        j = query[2 * k + 1] if ti.static(edges) else i
+        lower = ti.min(ti.min(start[i], place[i]), ti.min(start[j], place[j])) - half[i]
+        upper = ti.max(ti.max(start[i], place[i]), ti.max(start[j], place[j])) + half[i]
+        count, node = 0, ti.select(primitives > 0, 1, 0)
+        if ti.static(itself):
+            node = next_node(leaves + k)
+        while node > 0:
+            inside = meet(lower, upper, low[node], high[node])
+            if inside and node < leaves:
+                node = 2 * node
+            else:
+                if inside:
+                    t = node - leaves
+                    a, b, c, d = i, j, 0, 0
+                    disjoint = 1
+                    if ti.static(edges):
+                        c, d = member[2 * t], member[2 * t + 1]
+                        disjoint = int(i != c and i != d and j != c and j != d)
+                        if ti.static(itself) and c < i:
+                            a, b, c, d = c, d, i, j
+                    else:
+                        b, c, d = member[3 * t], member[3 * t + 1], member[3 * t + 2]
+                        disjoint = int(i != b and i != c and i != d)
+                    if disjoint:
+                        thick = half[a] + half[c]
+                        if ti.static(crowded):
+                            apart = nearest(edges, rest[a], rest[b], rest[c], rest[d]).apart.norm()
+                            thick = ti.min(thick, at_rest * apart)
+                        pa, pb, pc, pd = start[a], start[b], start[c], start[d]
+                        da, db, dc, dd = place[a] - pa, place[b] - pb, place[c] - pc, place[d] - pd
+                        share = time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, early * thick)
+                        if share <= 1.0:
+                            if count < room:
+                                slot = k * room + count
+                                at_start = nearest(edges, pa, pb, pc, pd).apart.norm()
+                                then = nearest(
+                                    edges, pa + share * da, pb + share * db, pc + share * dc, pd + share * dd
+                                )
+                                distance = then.apart.norm()
+                                hits.corner[4 * slot] = a
+                                hits.corner[4 * slot + 1] = b
+                                hits.corner[4 * slot + 2] = c
+                                hits.corner[4 * slot + 3] = d
+                                hits.weight[slot] = then.weight
+                                hits.toward[slot] = then.apart / ti.max(distance, 1e-30)
+                                kept = least * ti.min(thick, at_start)
+                                hits.narrow[slot] = int(
+                                    time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, kept) <= 1.0
+                                )
+                            count += 1
+                node = next_node(node)
+        number[k] = count
+
+
+@ti.kernel
+def find_near_plane(
+    queries: ti.i32,
+    early: ti.f64,
+    normal: vec3,
+    offset: ti.f64,
+    query: Integers,
+    half: Numbers,
+    place: Vectors,
+    number: Integers,
+):
+    """Which points come nearer to a plane than `early` of half their thickness."""
+    for k in range(queries):
+        i = query[k]
+        number[k] = int(normal.dot(place[i]) - offset < early * half[i])
+
+
+@ti.kernel
+def gather(
+    queries: ti.i32,
+    room: ti.i32,
+    first: Integers,
+    number: Integers,
+    hits: Hits,
+    corner_out: ti.types.ndarray(dtype=ti.i32, ndim=2),
+    weight_out: ti.types.ndarray(dtype=ti.f64, ndim=2),
+    normal_out: ti.types.ndarray(dtype=ti.f64, ndim=2),
+    narrow_out: Integers,
+):
+    """Hits one after the other."""
+    for k in range(queries):
+        for n in range(number[k]):
+            slot, row = k * room + n, first[k] + n
+            for corner in ti.static(range(4)):
+                corner_out[row, corner] = hits.corner[4 * slot + corner]
+                weight_out[row, corner] = hits.weight[slot][corner]
+            for axis in ti.static(range(3)):
+                normal_out[row, axis] = hits.toward[slot][axis]
+            narrow_out[row] = hits.narrow[slot]
+
+
+@ti.kernel
+def look_again(
+    count: ti.i32,
+    key: ti.types.ndarray(dtype=ti.i32, ndim=2),
+    place: Vectors,
+    apart_out: Numbers,
+    normal_out: ti.types.ndarray(dtype=ti.f64, ndim=2),
+    weight_out: ti.types.ndarray(dtype=ti.f64, ndim=2),
+):
+    """Distance [m], normal and weights of pairs, each a kind and four points."""
+    for k in range(count):
+        p, q, r, s = place[key[k, 1]], place[key[k, 2]], place[key[k, 3]], place[key[k, 4]]
+        found = nearest(False, p, q, r, s)
+        if key[k, 0] == EDGE:
+            found = nearest(True, p, q, r, s)
+        distance = found.apart.norm()
+        apart_out[k] = distance
+        for axis in ti.static(range(3)):
+            normal_out[k, axis] = found.apart[axis] / ti.max(distance, 1e-30)
+        for corner in ti.static(range(4)):
+            weight_out[k, corner] = found.weight[corner]

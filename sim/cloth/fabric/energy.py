@@ -1,0 +1,54 @@
+"""Energies and extremes of a cloth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import taichi as ti
+
+from sim.cloth.fabric import energy_sums
+from sim.cloth.fabric.layout import ROWS
+from sim.cloth.fabric.mesh import ClothMesh
+from sim.device.double import vec3
+
+
+@dataclass(frozen=True)
+class ClothMeasure:
+    """Sums over all points, springs and hinges, and extremes."""
+
+    kinetic_energy: float
+    potential_energy: float
+    """In gravity [J]."""
+    elastic_energy: float
+    v_max: float
+    stretch_max: float
+    """Greatest length of a spring over that at rest; of springs that have none at rest, 1."""
+
+    @property
+    def finite(self) -> bool:
+        return math.isfinite(self.kinetic_energy + self.potential_energy + self.elastic_energy + self.v_max)
+
+
+class Meter:
+    """Measures one cloth."""
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray):
+        self.mesh = mesh
+        self.gravity = vec3(*gravity)
+        self._rows = ti.Vector.ndarray(5, ti.f64, ROWS)
+
+    def read(self) -> ClothMeasure:
+        mesh = self.mesh
+        found = energy_sums.measure(
+            mesh.count,
+            mesh.springs,
+            mesh.hinges,
+            self.gravity,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            self._rows,
+        )
+        return ClothMeasure(*(float(value) for value in found))

@@ -1,0 +1,11 @@
+"""Where held points are led."""
+
+import taichi as ti
+
+from sim.device.double import Integers, Vectors
+
+
+@ti.kernel
+def put(count: ti.i32, points: Integers, aims: Vectors, place: Vectors):
+    for k in range(count):
+        place[points[k]] = aims[k]

@@ -1,0 +1,222 @@
+"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method.
+
+It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
+Where nothing touches, now and in the step before, backward differences of second order
+(`sim.cloth.integrators.backward_differences`) take only w^4 dt^4 / 4; across an impact they would throw back what it
+has stopped.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import taichi as ti
+
+from sim.cloth.contact.collision import Collisions
+from sim.cloth.fabric.arrays import integers, numbers
+from sim.cloth.fabric.mesh import ClothMesh
+from sim.cloth.fabric.pin_places import put
+from sim.cloth.integrators import newton_sums
+from sim.cloth.integrators.backward_differences import Past
+from sim.cloth.integrators.free_pieces import Adrift
+from sim.cloth.integrators.newton import Newton
+from sim.cloth.spec import Cloth
+from sim.device.double import vec3
+
+INERTIAS = 16.0
+"""Stiffness with which contacts are looked for, over the inertia of their points in a step. Springs are much stiffer:
+with their stiffness, contacts that close and open would decide how many steps Newton's method takes."""
+SINKING = 0.05
+"""Shares of the thickness that known forces may let contacts sink in: where that asks for more stiffness, but not for
+more than SPRINGS times that of the cloth there."""
+SPRINGS = 10.0
+SUNK = 0.25
+"""With more of these, their forces are taken for known, and all is solved again."""
+SUNK_BY_BODIES = 0.001
+"""Where bodies lie on cloth: what is left of an error there goes on into the next step as their speed."""
+ROUNDS = 12
+"""Of looking for contacts that the last solution made."""
+GIVING_WAY = 1e-3
+"""What is left of a force over the whole of it, when it is asked how points give way."""
+UNSOLVED = 100.0
+"""Forces left at a cap, over those that act, from which on what moves is left to chance."""
+
+
+class ImplicitEuler:
+    """Steps a cloth; held points go to where `place` has them."""
+
+    STATISTICS = (
+        "cloth_newton",
+        "cloth_iterations",
+        "cloth_capped",
+        "cloth_contacts",
+        "cloth_rounds",
+        "cloth_held_back",
+        "cloth_stuck",
+        "cloth_unsolved",
+    )
+    """Newton's steps, iterations of conjugate gradients in all of them, and whether one of the two ended at its cap;
+    contacts, searches for them, points that could not go all their way, pairs that solids push through, and whether
+    the last cap was met far from a solution."""
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
+        self.mesh = mesh
+        self.collisions = collisions
+        self.gravity = vec3(*gravity)
+        self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
+        self.trial = self._newton.trial
+        self.past = Past(mesh.count)
+        self._start = mesh.points.position
+        self._adrift = Adrift(mesh)
+        self._solids = integers(np.arange(mesh.count, mesh.total))
+        self._pushed = False
+        """Whether others act on points in the step."""
+        self._falls, self._rests = numbers(self._adrift.free), numbers(np.zeros(mesh.count))
+
+    def limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them: none."""
+        return {}
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        self.foresee(dt)
+        return self.settle(dt)
+
+    def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
+        """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
+        self._pushed = load is not None
+        if not self._pushed and self._foresee_alone(dt):
+            return
+        self._begin(dt, 1.0, 0.0, dt)
+        if self._pushed:
+            newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
+        self.collisions.find(self._start, self.trial.place)
+        self._carry(self.collisions.loose.places)
+        self._told, self._rounds = np.zeros(3, int), 0
+        self._part(dt)
+
+    def _foresee_alone(self, dt: float) -> bool:
+        """The same to the second order of the step, if that is such that nothing touches; returns whether it is."""
+        if self.collisions.count or not self.past.serves(dt):
+            return False
+        self._begin(dt, *self.past.weights(dt))
+        self._told, self._rounds = self._newton.converge(self._since), 1
+        self._keep_momentum(self._since)
+        return not (self.collisions.count or self.collisions.find(self._start, self.trial.place, add=False))
+
+    def _begin(self, dt: float, now: float, ago: float, since: float) -> None:
+        """Begin a step of dt [s] with these weights of the present and of the step before, and the time [s] since its
+        start."""
+        mesh, trial, past = self.mesh, self.trial, self.past
+        self._since = since
+        turning = newton_sums.begin(
+            mesh.count,
+            mesh.total,
+            mesh.springs,
+            mesh.hinges,
+            since,
+            self.gravity,
+            # What touches something is at rest more often than it falls.
+            self._rests if self.collisions.count else self._falls,
+            now,
+            ago,
+            past.position,
+            past.velocity,
+            mesh.points,
+            mesh.strands,
+            mesh.angles,
+            trial,
+        )
+        if turning:
+            # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
+            newton_sums.stay(mesh.count, mesh.points, trial)
+        self.collisions.begin(self._start, dt)
+        self._carry(self.collisions.loose.moved())
+
+    def change(self, dt: float, load: ti.Ndarray) -> None:
+        """Let forces on points [N] act besides those foreseen, and look where that takes them."""
+        newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
+        if self.collisions.loose.count:
+            self.collisions.begin_again()
+        self._part(dt)
+
+    def linearize(self, dt: float) -> None:
+        """Find how points give way to forces where they are foreseen."""
+        self._newton.linearize(dt)
+
+    def give_way(self, load: ti.Ndarray) -> ti.Ndarray:
+        """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
+        return self._newton.give_way(load, GIVING_WAY)
+
+    def settle(self, dt: float) -> dict[str, float]:
+        """Take the step to where it was foreseen; returns the STATISTICS."""
+        mesh, trial, collisions = self.mesh, self.trial, self.collisions
+        back = self._fall_back(dt)
+        held_back, stuck = collisions.hold_back(self._start, trial.place)
+        collisions.end()
+        steps, iterations, capped = self._told.tolist()
+        values = (
+            steps,
+            iterations,
+            int(capped > 0),
+            collisions.count,
+            self._rounds,
+            held_back,
+            stuck,
+            int(self._newton.left > UNSOLVED),
+        )
+        past = self.past
+        newton_sums.finish(mesh.count, mesh.total, dt, self._since, past.position, past.velocity, mesh.points, trial)
+        # Differences over two steps would let what pushed in the first act on in the second.
+        past.step = 0.0 if collisions.count or held_back or self._pushed else dt
+        if back is not None:
+            newton_sums.quicken(mesh.count, -dt, back, mesh.points)
+        return dict(zip(self.STATISTICS, values, strict=True))
+
+    def _fall_back(self, dt: float) -> np.ndarray | None:
+        """Bring what falls back to where the mean of its velocities takes it, by these accelerations [m/s^2], shape
+        [points, 3]; None where nothing falls."""
+        if not self._adrift.any or self._since < dt:
+            # Backward differences of second order do so by themselves.
+            return None
+        mesh, trial, gravity = self.mesh, self.trial, np.array(self.gravity)
+        before, start, place = (
+            array.to_numpy()[: mesh.count] for array in (mesh.points.velocity, self._start, trial.place)
+        )
+        share = self._adrift.falling(self.collisions.known, gravity, ((place - start) / dt - before) / dt)
+        if share is None:
+            return None
+        back = -0.5 * share * gravity
+        newton_sums.shift(mesh.count, dt, back, trial)
+        self.collisions.find(self._start, trial.place, add=False)
+        return back
+
+    def _part(self, dt: float) -> None:
+        """Solve again and again until no contact is new, and none is sunk in."""
+        collisions, trial = self.collisions, self.trial
+        for rounds in range(1, ROUNDS + 1):
+            self._rounds += 1
+            collisions.harden(dt, INERTIAS, SPRINGS, SINKING)
+            self._told += self._newton.converge(dt)
+            self._keep_momentum(dt)
+            self._carry(collisions.loose.moved())
+            astray = collisions.astray(SUNK_BY_BODIES if collisions.borne > 0 else SUNK, trial.place)
+            if astray:
+                collisions.learn()
+            if not (collisions.find(self._start, trial.place, add=rounds < ROUNDS) or astray):
+                break
+            self._carry(collisions.loose.places)
+
+    def _carry(self, places: np.ndarray) -> None:
+        """Put points of solids to places [m], where bodies may take them."""
+        if self.collisions.loose.count:
+            put(len(places), self._solids, places, self.trial.place)
+
+    def _keep_momentum(self, dt: float) -> None:
+        """Move what is adrift by what forces left on it as a whole would."""
+        push = self._adrift.push(self.collisions.known, self._newton.force)
+        if push is not None:
+            newton_sums.shift(self.mesh.count, dt, push, self.trial)
+
+    @property
+    def bytes(self) -> int:
+        return self._newton.bytes + self.collisions.bytes

@@ -1,0 +1,151 @@
+"""Integrators that take many small steps in one, in each of which contacts hold.
+
+What comes near is looked for along the whole of a step: before it, where points would go at their speed, and after it.
+Where that finds a contact that was not known, the step is made again with it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.cloth.contact import projection
+from sim.cloth.contact.collision import Collisions
+from sim.cloth.fabric.arrays import integers, matrices, numbers, vectors
+from sim.cloth.fabric.layout import Pace, Way
+from sim.cloth.fabric.mesh import ClothMesh
+from sim.cloth.fabric.pin_places import put
+from sim.cloth.integrators.free_pieces import Adrift
+from sim.device.double import vec3
+
+ROUNDS = 12
+"""Of a step, which is made again when it made contacts."""
+SWEEPS, MOST_SWEEPS = 4, 1024
+"""Of Jacobi's method in a small step: four times as many where something would pass through, and again."""
+BEARING = 4.0
+"""Sweeps for each mass of a point that a contact has to bear."""
+AHEAD = 1.15
+"""Pairs that are foreseen to come nearer than this share of their thickness are looked after from the start."""
+PROMPT = 3.0
+"""What a limit lacks is made up for e^-3 short of the whole in a step."""
+
+
+class SmallSteps:
+    """Steps a cloth; held points go to where `place` has them, straight."""
+
+    STATISTICS = ("cloth_substeps", "cloth_contacts", "cloth_rounds", "cloth_held_back", "cloth_stuck")
+    """Small steps, contacts, how often they were made, points that could not go all their way, and pairs that solids
+    push through."""
+
+    past = None
+    """They go by no step before."""
+
+    def __init__(self, mesh: ClothMesh, gravity: np.ndarray, collisions: Collisions):
+        self.mesh = mesh
+        self.gravity = vec3(*gravity)
+        self.collisions = collisions
+        self._adrift = Adrift(mesh)
+        self._rows = 2 * collisions.loose.count
+        self.way = Way(
+            start=vectors(np.zeros((mesh.total, 3))),
+            before=vectors(np.zeros((mesh.count, 3))),
+            aims=mesh.place,
+            shares=numbers(np.zeros(mesh.count)),
+        )
+        self._pace = Pace(
+            body_gives=matrices(self._rows),
+            body_speed=vectors(np.zeros((self._rows, 3))),
+            body_shares=numbers(np.zeros(self._rows)),
+        )
+        self._solids = integers(np.arange(mesh.count, mesh.total))
+        self.sweeps = SWEEPS
+        self._speed, self._ahead = (vectors(np.zeros((mesh.total, 3))) for _ in range(2))
+
+    def substeps(self, dt: float) -> int:
+        """How many small steps a step of dt [s] takes."""
+        raise NotImplementedError
+
+    def run(self, dt: float, number: int) -> None:
+        """Take so many small steps of dt [s]."""
+        raise NotImplementedError
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """Step by dt [s]; returns the STATISTICS."""
+        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.way.start
+        number = self.substeps(dt)
+        projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.way)
+        collisions.begin(start, dt)
+        collisions.find(start, self._ahead, AHEAD)
+        self.sweeps = self._enough()
+        projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
+        for rounds in range(1, ROUNDS + 1):
+            projection.forget(collisions.count, collisions.touches)
+            self.run(dt / number, number)
+            projection.carry_solids(mesh.count, mesh.total, dt, points, self.way)
+            self._carry_bodies()
+            if not collisions.find(start, points.position, add=rounds < ROUNDS):
+                if not len(collisions.narrow) or self.sweeps >= MOST_SWEEPS:
+                    break
+                self.sweeps *= 4
+            if rounds < ROUNDS:
+                projection.put_back(mesh.total, points, self._speed, self.way)
+                projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
+        self._fall_back(dt, number)
+        held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
+        collisions.end()
+        return dict(zip(self.STATISTICS, (number, collisions.count, rounds, held_back, stuck), strict=True))
+
+    def _fall_back(self, dt: float, number: int) -> None:
+        """Bring what fell in so many small steps back to where the means of its velocities take it."""
+        if not self._adrift.any:
+            return
+        points, count, gravity = self.mesh.points, self.mesh.count, np.array(self.gravity)
+        before, after = (array.to_numpy()[:count] for array in (self._speed, points.velocity))
+        share = self._adrift.falling(self.collisions.known, gravity, (after - before) / dt)
+        if share is not None:
+            projection.shift(count, -0.5 * share * gravity * dt * dt / number, points)
+            self.collisions.find(self.way.start, points.position, add=False)
+
+    def keep_apart(self, dt: float, number: int, left: int) -> None:
+        """Let contacts hold in one of so many small steps of dt [s]."""
+        mesh, collisions, loose = self.mesh, self.collisions, self.collisions.loose
+        sizes, sweeps = (mesh.count, self._rows, collisions.count), self.sweeps if collisions.count else 0
+        shared, prompt = (mesh.points, collisions.touches, loose.tables), self.prompt(number)
+        tables = *shared, loose.holds, self._pace, self.way
+        if mesh.alone and self._rows:
+            projection.keep_bodies_apart_alone(*sizes, sweeps, number, left, dt, prompt, *tables)
+        elif collisions.count or self._rows:
+            projection.recall(*sizes, number, left, dt, prompt, *tables)
+            for _ in range(sweeps):
+                projection.sweep(*sizes, number, left, dt, *tables)
+            projection.end(*sizes, number, dt, *shared, self._pace, self.way)
+
+    def _enough(self) -> int:
+        """Sweeps of a small step: forces that go on from one to the next follow what is sunk, and come too late for the
+        mass that they bear where sweeps do not bring up as much inertia."""
+        borne = self.collisions.borne
+        if not borne:
+            return SWEEPS
+        lightest = float(self.mesh.mass[~self.mesh.held].min(initial=math.inf))
+        return int(min(max(SWEEPS, math.ceil(BEARING * borne / lightest)), MOST_SWEEPS))
+
+    def _carry_bodies(self) -> None:
+        """Put points of bodies to where these have gone."""
+        if self._rows:
+            places = self.collisions.loose.moved()
+            put(len(places), self._solids, places, self.mesh.points.position)
+
+    @staticmethod
+    def prompt(number: int) -> float:
+        """Of what a limit lacks, the share that one of so many small steps makes up for."""
+        return min(1.0, PROMPT / number)
+
+    @property
+    def alone(self) -> bool:
+        """Whether one thread takes all small steps in one launch."""
+        return self.mesh.alone and not self._rows
+
+    @property
+    def bytes(self) -> int:
+        return 8 * (9 * self.mesh.total + 4 * self.mesh.count) + self.collisions.bytes

@@ -1,0 +1,233 @@
+"""The cloth of a world: all sheets, stepped together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from scene.settings import Refused
+from sim.cloth import load_integrator
+from sim.cloth.contact.applied_forces import pulls
+from sim.cloth.contact.collision import Collisions
+from sim.cloth.contact.dynamic_solids import Bodies, LooseBodies
+from sim.cloth.contact.solids import Solids
+from sim.cloth.contact.surfaces import Surface
+from sim.cloth.fabric.arrays import clear, integers, vectors
+from sim.cloth.fabric.energy import ClothMeasure, Meter
+from sim.cloth.fabric.fabric import Fabric, weave
+from sim.cloth.fabric.mesh import ClothMesh
+from sim.cloth.fabric.pin_places import put
+from sim.cloth.fabric.pins import Lead, find_pins, refuse_jump
+from sim.cloth.fabric.state import ClothState
+from sim.cloth.spec import Cloth, ClothSheet
+
+
+@dataclass(frozen=True)
+class PlacedSheet:
+    """A sheet as the scene places it."""
+
+    name: str
+    sheet: ClothSheet
+    fabric: Fabric
+    held: np.ndarray
+    leads: list[Lead]
+    moved: np.ndarray | None = None
+    """Where its points begin instead, since it is placed through something [m], shape [n, 3]."""
+
+    @property
+    def begins(self) -> np.ndarray:
+        """Where its points begin [m], shape [n, 3]."""
+        return self.fabric.points if self.moved is None else self.moved
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Box around it as placed and around where it is led [m], shape [2, 3]."""
+        places = [self.begins, *(lead.motion.sweep(lead.placed) for lead in self.leads)]
+        return np.array(
+            [np.min([p.min(axis=0) for p in places], axis=0), np.max([p.max(axis=0) for p in places], axis=0)]
+        )
+
+
+def find_sheets(cloth: Cloth, folder: Path) -> list[PlacedSheet]:
+    """All sheets of a scene; raises Refused with the path in the scene."""
+    found = []
+    for name, sheet in cloth.sheets.items():
+        try:
+            fabric = weave(sheet, folder)
+            found.append(PlacedSheet(name, sheet, fabric, *find_pins(sheet, fabric)))
+        except Refused as refused:
+            raise refused.at("cloth", "sheets", name) from None
+    return found
+
+
+class ClothPart:
+    """Sheets that move; those in `state` go on from there, others begin as placed."""
+
+    def __init__(
+        self,
+        sheets: list[PlacedSheet],
+        gravity: np.ndarray,
+        settings: Cloth,
+        state: ClothState,
+        time: float,
+        solids: Solids | None = None,
+    ):
+        solids = solids or Solids.none()
+        self.sheets = sheets
+        self.settings = settings
+        starts = np.cumsum([0] + [len(item.fabric.points) for item in sheets])
+        self._rows = {item.name: slice(a, b) for item, a, b in zip(sheets, starts, starts[1:], strict=False)}
+        self._leads = [lead.shifted(start) for item, start in zip(sheets, starts, strict=False) for lead in item.leads]
+        position, velocity = (
+            np.concatenate(parts) for parts in zip(*(_begin(item, state) for item in sheets), strict=True)
+        )
+        self.mesh = ClothMesh(
+            [item.sheet for item in sheets],
+            [item.fabric for item in sheets],
+            position,
+            velocity,
+            np.concatenate([item.held for item in sheets]),
+            settings.air,
+            solids.points,
+        )
+        self.solids = solids
+        self._gravity = np.asarray(gravity)
+        self.collisions = self._collisions()
+        if len(state.touch_key):
+            limit, press, grip = state.touch_force[:, 0], state.touch_force[:, 1], state.touch_force[:, 2:]
+            self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
+        self._refuse_jumps(position, time)
+        self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
+        if self.integrator.past and len(state.past_position) == self.mesh.count:
+            self.integrator.past.recall(state.past_position, state.past_velocity, state.past_step)
+        self._meter = Meter(self.mesh, gravity)
+        self.fluid_force = vectors(_fluid_force(sheets, state))
+        """On points, in the last step [N]."""
+        self.stuck = 0
+        """Pairs that came too near in the last step, since solids push them together."""
+        self.unsolved = False
+        """Whether the integrator ended the last step far from a solution."""
+        self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
+        self._led = integers(np.concatenate([lead.points for lead in self._leads])) if self._leads else None
+
+    def _collisions(self) -> Collisions:
+        counts = [len(item.fabric.points) for item in self.sheets]
+        surfaces = [(item.sheet.thickness / 2, *item.sheet.grip) for item in self.sheets]
+        half, slide, hold = (np.repeat(values, counts) for values in zip(*surfaces, strict=True))
+        own = self.mesh.count
+        return Collisions(
+            self.mesh,
+            Surface.of(self.solids.triangles + own) if len(self.solids.triangles) else None,
+            self.solids.walls,
+            np.concatenate([half, np.zeros(len(self.solids.points))]),
+            np.concatenate([slide, self.solids.slide]),
+            np.concatenate([hold, self.solids.hold]),
+            LooseBodies(self._owner(), own),
+            self.solids.made,
+        )
+
+    def _owner(self) -> np.ndarray:
+        """Of points of solids, the row of their body among those that obey forces; -1 of others."""
+        rows = {body: row for row, body in enumerate(self.solids.loose)}
+        return np.array([rows.get(body, -1) for body in self.solids.body], int)
+
+    def advance(
+        self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None
+    ) -> dict[str, float]:
+        """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
+        tells."""
+        self.aim(dt, until, moved, bodies)
+        return self.note(self.integrator.advance(dt))
+
+    def aim(self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None) -> None:
+        """Say where held points are at the time `until` [s], after a step of dt [s], and points of solids, which are
+        `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
+        if moved is not None:
+            put(len(moved), self._solid_rows, moved, self.mesh.place)
+        if bodies is not None:
+            self.collisions.loose.aim(bodies, moved, dt)
+        if self._leads:
+            aims = np.concatenate([lead.at(until) for lead in self._leads])
+            put(len(aims), self._led, aims, self.mesh.place)
+        self.mesh.air.update(self.mesh)
+
+    def note(self, told: dict[str, float]) -> dict[str, float]:
+        """Remember of what the integrator tells whether solids leave no room, and whether it found a solution."""
+        self.stuck = int(told.get("cloth_stuck", 0))
+        self.unsolved = told.get("cloth_unsolved", 0) > 0
+        return told
+
+    def leave_fluid(self) -> None:
+        """Feel nothing more of what fluid did in the last step: there is none now."""
+        clear(self.fluid_force)
+
+    def settle_solids(self, places: np.ndarray) -> None:
+        """Say where points of solids came to be [m], since bodies gave way."""
+        put(len(places), self._solid_rows, places, self.mesh.points.position)
+
+    def measure(self) -> ClothMeasure:
+        return self._meter.read()
+
+    def step_limits(self) -> dict[str, float]:
+        """Largest steps [s] by what limits them."""
+        return {"cloth step": self.settings.max_step} | self.integrator.limits()
+
+    def next_keyframe(self, time: float) -> float:
+        """The first time after `time` [s] at which the velocity of a pin jumps; infinite where none does."""
+        return min((lead.motion.next_keyframe(time) for lead in self._leads), default=np.inf)
+
+    def state(self) -> ClothState:
+        counts = {item.name: len(item.fabric.points) for item in self.sheets}
+        points = self.mesh.points
+        count, known = self.mesh.count, self.collisions.known
+        return ClothState(
+            counts,
+            points.position.to_numpy()[:count],
+            points.velocity.to_numpy()[:count],
+            known.key.copy(),
+            known.weight.copy(),
+            known.normal.copy(),
+            np.column_stack([known.limit, known.press, known.grip]),
+            self.fluid_force.to_numpy()[:count],
+            *(self.integrator.past.arrays() if self.integrator.past else ()),
+        )
+
+    def vertices(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Positions [m] and velocities [m/s] of one sheet's points, shape [n, 3]."""
+        points, rows = self.mesh.points, self._rows[name]
+        return points.position.to_numpy()[rows], points.velocity.to_numpy()[rows]
+
+    def pin_force(self, name: str) -> np.ndarray:
+        """Force of the pins on one sheet [N], shape [3], as if they did not accelerate."""
+        rows = self._rows[name]
+        held = self.mesh.held[rows]
+        weight = self.mesh.mass[rows, None] * self._gravity
+        force = pulls(self.mesh)[rows] + self.fluid_force.to_numpy()[rows] + weight
+        return -force[held].sum(axis=0)
+
+    @property
+    def bytes(self) -> int:
+        return self.mesh.bytes + self.integrator.bytes
+
+    def _refuse_jumps(self, position: np.ndarray, time: float) -> None:
+        for lead in self._leads:
+            name = next(name for name, rows in self._rows.items() if rows.start <= lead.points[0] < rows.stop)
+            size = float(np.ptp(self.mesh.placed[self._rows[name]], axis=0).max())
+            refuse_jump(name, lead, position[lead.points], size, time)
+
+
+def _fluid_force(sheets: list[PlacedSheet], state: ClothState) -> np.ndarray:
+    count = sum(len(item.fabric.points) for item in sheets)
+    same = list(state.sheets) == [item.name for item in sheets] and len(state.fluid_force) == count
+    return state.fluid_force if same else np.zeros((count, 3))
+
+
+def _begin(item: PlacedSheet, state: ClothState) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and velocities [m/s] of a sheet's points."""
+    found = state.of(item.name)
+    if found is not None and len(found[0]) == len(item.fabric.points):
+        return found
+    velocity = np.where(item.held[:, None], 0.0, np.array(item.sheet.velocity))
+    return item.begins, velocity

@@ -1,0 +1,86 @@
+"""Solids as cloth meets them, and what it does to those that obey forces.
+
+In a step bodies move first, as if there were no cloth. Where they go then is not the last word: the equations of the
+cloth have two more rows for each body, its way and its turn, so that both find where they are at the end of the step at
+once, whichever is heavier (`sim.cloth.contact.dynamic_solids`), and contacts of these bodies with others are among
+those of the cloth. So what rests on cloth rests, and contacts between the two make no energy.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sim.bodies.obstacles import Obstacles
+from sim.cloth.contact.collision import Wall
+from sim.cloth.contact.dynamic_solids import Bodies, Meetings
+from sim.cloth.contact.solids import Solids
+from sim.rigid.spec import Contact
+from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.cloth.model import ClothPart
+    from sim.rigid.model import RigidPart
+
+MATERIALS = ("cloth",)
+"""Of a scene, for this to be loaded."""
+
+
+def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Solids:
+    """Surfaces of all bodies and containers where they are at `time` [s], and all walls."""
+    start, triangles, slide, hold = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
+    body, made = [np.zeros(0, int)], [np.zeros((0, 3))]
+    for index, item in enumerate(obstacles.placed):
+        mesh = item.solid.mesh
+        made.append(mesh.vertices)
+        triangles.append(mesh.faces + start)
+        start += len(mesh.vertices)
+        grip = _surface(spec, item.name).grip
+        slide.append(np.full(len(mesh.vertices), grip[0]))
+        hold.append(np.full(len(mesh.vertices), grip[1]))
+        body.append(np.full(len(mesh.vertices), index))
+    walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
+    parts = (np.concatenate(part) for part in (made, triangles, slide, hold, body))
+    names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
+    filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
+    return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
+
+
+def places(obstacles: Obstacles, time: float) -> np.ndarray:
+    """Where all points of the solids' surfaces are at `time` [s], in metres, shape [n, 3]."""
+    found = [np.zeros((0, 3))]
+    for item in obstacles.placed:
+        movement = item.movement(time)
+        found.append(item.solid.mesh.vertices if movement is None else movement.carry(item.solid.mesh.vertices))
+    return np.concatenate(found)
+
+
+def ahead(cloth: ClothPart, rigid: RigidPart, dt: float) -> Bodies:
+    """Bodies where a step of dt [s] took them that the cloth has not changed yet."""
+    loose = cloth.solids.loose
+    inertia = np.linalg.inv(rigid.mobility(rigid.motions()[loose, :9].reshape(-1, 3, 3), np.array(loose, int)))
+    return Bodies(rigid.position[loose], rigid.mass[loose], inertia, rigid.lag[loose], _meetings(loose, rigid, dt))
+
+
+def _meetings(loose: list[int], rigid: RigidPart, dt: float) -> Meetings:
+    """Where bodies touch one another and other solids."""
+    met = rigid.meetings(dt)
+    if met is None:
+        return Meetings.none()
+    pair, place, *others = met
+    row = np.full(rigid.count, -1)
+    row[loose] = np.arange(len(loose))
+    return Meetings(row[pair], place[:, None] - rigid.position[pair], *others)
+
+
+def push(cloth: ClothPart, rigid: RigidPart, dt: float) -> None:
+    """Let bodies give way to the cloth as it found in a step of dt [s]."""
+    collisions, bodies = cloth.collisions, cloth.collisions.loose
+    loose = np.array(cloth.solids.loose)
+    rigid.give_way(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.ways())
+    rigid.rebound(dt, loose, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
+
+
+def _surface(spec: SimulationSpec, name: str) -> Contact:
+    return spec.containers[name] if name in spec.containers else spec.rigid.bodies[name]

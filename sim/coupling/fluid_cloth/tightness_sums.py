@@ -1,0 +1,91 @@
+"""The ways of particles past moving triangles."""
+
+import taichi as ti
+
+from sim.cloth.contact.ccd import time_of_nearness
+from sim.cloth.contact.proximity import point_triangle
+from sim.device.arrays import Vec4Array, real
+from sim.device.double import Integers, Vectors, vec3
+from sim.neighbors.box_tree import meet, next_node
+
+ROUNDS = 8
+"""Of looking, after a particle has been moved, for what it would meet there."""
+NEARER = 0.5
+"""Of the distance that a particle has from a triangle at the start of a step, this share is kept."""
+
+
+@ti.func
+def _beside(x: vec3, moved: vec3, a: vec3, b: vec3, c: vec3, da: vec3, db: vec3, dc: vec3, gap: ti.f64) -> vec3:
+    """Where a particle from x, that would be at `moved`, may be after the step beside a triangle that moves: on its
+    side, `gap` [m] off; or, where it is not above the triangle, carried with what is nearest of it."""
+    at_start = point_triangle(x, a, b, c)
+    weight = -vec3(at_start.weight[1], at_start.weight[2], at_start.weight[3])
+    side = ti.cast(1.0, ti.f64)
+    if at_start.apart.dot((b - a).cross(c - a)) < 0.0:
+        side = -side
+    p, q, r = a + da, b + db, c + dc
+    normal = side * (q - p).cross(r - p).normalized()
+    found = moved + ti.max(gap - normal.dot(moved - p), 0.0) * normal
+    at_end = point_triangle(found, p, q, r)
+    inside = at_end.weight[1] < 0.0 and at_end.weight[2] < 0.0 and at_end.weight[3] < 0.0
+    if not inside:
+        found = x + weight[0] * da + weight[1] * db + weight[2] * dc
+    return found
+
+
+@ti.kernel
+def keep(
+    count: ti.i32,
+    dt: real,
+    gap: ti.f64,
+    origin: vec3,
+    leaves: ti.i32,
+    primitives: ti.i32,
+    member: Integers,
+    low: Vectors,
+    high: Vectors,
+    start: Vectors,
+    place: Vectors,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    struck: Integers,
+    weight_out: Vectors,
+) -> ti.types.vector(2, ti.i32):
+    """Move particles that would come nearer than `gap` [m] to a triangle; `struck` has the last one of each, -1 where
+    there is none. Returns how many were moved, and how many would come too near wherever they are moved."""
+    moved_particles, through = 0, 0
+    for i in range(count):
+        after = ti.cast(position[i].xyz, ti.f64) + origin
+        before = after - ti.cast(dt * velocity[i].xyz, ti.f64)
+        hit, again, rounds = -1, 1, 0
+        weight = vec3(0.0, 0.0, 0.0)
+        while again == 1 and rounds < ROUNDS:
+            again = 0
+            rounds += 1
+            node = ti.select(primitives > 0, 1, 0)
+            while node > 0:
+                lower, upper = ti.min(before, after) - gap, ti.max(before, after) + gap
+                inside = meet(lower, upper, low[node], high[node])
+                if inside and node < leaves:
+                    node = 2 * node
+                else:
+                    if inside:
+                        t = node - leaves
+                        j, k, m = member[3 * t], member[3 * t + 1], member[3 * t + 2]
+                        a, b, c = start[j], start[k], start[m]
+                        da, db, dc = place[j] - a, place[k] - b, place[m] - c
+                        least = NEARER * ti.min(gap, point_triangle(before, a, b, c).apart.norm())
+                        if time_of_nearness(False, before, a, b, c, after - before, da, db, dc, least) <= 1.0:
+                            hit = t
+                            again = 1
+                            after = _beside(before, after, a, b, c, da, db, dc, gap)
+                            nearest = point_triangle(after, a + da, b + db, c + dc)
+                            weight = -vec3(nearest.weight[1], nearest.weight[2], nearest.weight[3])
+                    node = next_node(node)
+        struck[i] = hit
+        if hit >= 0:
+            moved_particles += 1
+            weight_out[i] = weight
+            position[i].xyz = ti.cast(after - origin, real)
+            through += again
+    return ti.Vector([moved_particles, through])

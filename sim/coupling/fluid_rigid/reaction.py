@@ -1,0 +1,224 @@
+"""What the fluid does to the bodies that it moves: sums over the pairs of particles and bodies near them.
+
+Each body is a half-space to a particle (`sim.fluid.boundary`), and what it does to the particle is done to it at the
+same place, so that momentum and angular momentum are kept. Pressures that are looked for move the bodies, too: with the
+forces J q of the pressures q = p / rho^2 on a body of mass M, it gives way, and compresses the fluid by
+dt^2 J^T M^-1 J q less. Bodies are so part of the system of equations of `sim.fluid.pressure.projection`, which stays
+symmetric and negative semidefinite: however light they are, there is no step from which on the two throw each other
+back and forth (compare Gissler et al. 2019, who iterate between two systems).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+import taichi as ti
+
+from sim.coupling.fluid_rigid import reaction_sums
+from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES
+from sim.device.arrays import GROWTH, integer_array
+
+if TYPE_CHECKING:
+    from sim.fluid.forces.momentum import Momentum
+    from sim.fluid.system import FluidSystem
+
+MATERIALS = ("fluid",)
+"""Of a scene, for this to be loaded."""
+
+
+class Film(Protocol):
+    """What acts on bodies where fluid has no particles, by the pressures of others."""
+
+    active: bool
+
+    def pressed(self, pressure: ti.Ndarray, wrench: ti.Ndarray, *, found: bool) -> None:
+        """Write wrenches by the pressures as q in w, or where they are `found` in x, shape [bodies, 6]."""
+
+    def give_way(self, answer: ti.Ndarray) -> None:
+        """Add to push.w what these answers of bodies do to those particles."""
+
+
+INERTIA = 13
+"""Numbers that say how a body answers a force: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
+
+
+class Reaction:
+    """Sums for the bodies that are the `solids`, by their index, in the boundary of `system`.
+
+    A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; an answer is the acceleration
+    [m/s^2] and the angular acceleration [rad/s^2] by it. ends: where the entries of each body begin in `order`, and
+    where the last end; body_of: of each solid which of these it is, or -1.
+    """
+
+    def __init__(self, system: FluidSystem, solids: Sequence[int]):
+        self.system = system
+        self.count = len(solids)
+        body_of = np.full(max(system.boundary.shapes.count, 1), -1, dtype=np.int32)
+        body_of[list(solids)] = np.arange(self.count)
+        self.body_of = integer_array(body_of)
+        self.ends = ti.ndarray(ti.i32, self.count + 1)
+        self.order = ti.ndarray(ti.i32, 1)
+        self.partial = ti.ndarray(ti.f64, (PARTS * self.count, 6))
+        self._tally = ti.ndarray(ti.i32, RANGES * self.count)
+        self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
+        self._wrench, self._answer, self._by_film = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
+        self.film: Film | None = None
+
+    def list(self) -> None:
+        """Sort the entries of the bodies by these, in a fixed order, as they are listed now."""
+        faces = self.system.boundary.faces
+        args = (self.system.count, faces.begin, faces.size, faces.solid, self.body_of, self._tally, self.ends)
+        total = reaction_sums.tally(*args)
+        if total > self.order.shape[0]:
+            self.order = ti.ndarray(ti.i32, int(GROWTH * total))
+        reaction_sums.sort(*args, self.order)
+
+    def films(self) -> np.ndarray:
+        """Wrenches of films by the pressures in position.w."""
+        self._press_films(self.system.particles.position, found=False)
+        return self._by_film.to_numpy()
+
+    def _press_films(self, pressure: ti.Ndarray, *, found: bool) -> None:
+        if self.film and self.film.active:
+            self.film.pressed(pressure, self._by_film, found=found)
+        else:
+            self._by_film.fill(0)
+
+    def weigh(self, inertia: np.ndarray) -> None:
+        """Say how bodies answer forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
+        self.inertia = inertia
+        self._inertia.from_numpy(np.ascontiguousarray(inertia))
+
+    def forces(self, momentum: Momentum, friction: float | None = None) -> np.ndarray:
+        """Wrenches of the forces that positions and velocities give, shape [bodies, 6]; friction: viscosity of what the
+        fluid sticks to [m^2/s], where that is not what acts as a force."""
+        system = self.system
+        particles, faces = system.particles, system.boundary.faces
+        adhesion = momentum.adhesion
+        reaction_sums.push_back(
+            self.ends,
+            self.order,
+            system.h,
+            system.spec.spacing,
+            system.mass,
+            system.spec.rest_density,
+            particles.position,
+            particles.velocity,
+            faces.particle,
+            faces.solid,
+            faces.face,
+            faces.weight,
+            faces.pull,
+            faces.fit,
+            system.boundary.shapes.pose,
+            self._inertia,
+            momentum.pressure,
+            (momentum.grip.walls if friction is None else friction) > 0,
+            momentum.viscosity if friction is None else friction,
+            momentum.damping > 0,
+            momentum.damping,
+            adhesion is not None,
+            adhesion.solids if adhesion else 0.0,
+            self.partial,
+            self._wrench,
+        )
+        return self._wrench.to_numpy()
+
+    def held(self) -> np.ndarray:
+        """Wrenches of what these hold along their surfaces (`along_faces`), by the pressures in position.w, shape
+        [bodies, 6]."""
+        system = self.system
+        particles, faces = system.particles, system.boundary.faces
+        corrected = hasattr(particles, "correction")
+        reaction_sums.hold(
+            self.ends,
+            self.order,
+            system.h,
+            system.mass,
+            particles.position,
+            corrected,
+            particles.correction if corrected else particles.position,
+            particles.skew if corrected else particles.position,
+            system.neighbors.size,
+            system.neighbors.index,
+            *faces.lists,
+            faces.particle,
+            self._inertia,
+            self.partial,
+            self._wrench,
+        )
+        return self._wrench.to_numpy()
+
+    def answer(self, ahead: float) -> None:
+        """Find how bodies answer the pressures in position.w, and leave in push.w by how much that lowers the second
+        derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be `ahead` [s]."""
+        self._sum(ahead, self.system.particles.position, found=False)
+        self._give_way(ahead)
+
+    def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `answer`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
+        returns the wrenches and answers."""
+        self._sum(dt, self.system.particles.position, found=False)
+        wrench, answer = self._wrench.to_numpy(), self._answer.to_numpy()
+        self._answer.from_numpy(answer - expected)
+        self._give_way(dt)
+        return wrench, answer
+
+    def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
+        """Wrenches of the pressures found, which are in search.x, and the answers; shape [bodies, 6]."""
+        self._sum(ahead, self.system.particles.search, found=True)
+        return self._wrench.to_numpy(), self._answer.to_numpy()
+
+    def expect(self, dt: float, answer: np.ndarray) -> None:
+        """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
+        self._answer.from_numpy(answer)
+        self._give_way(dt)
+        reaction_sums.expect(self.system.count, dt, self.system.particles.push, self.system.particles.source)
+
+    def _sum(self, ahead: float, pressure: ti.Ndarray, *, found: bool) -> None:
+        system = self.system
+        self._press_films(pressure, found=found)
+        reaction_sums.answer_pressure(
+            self.ends,
+            self.order,
+            ahead,
+            system.mass * system.spec.rest_density,
+            system.particles.position,
+            system.particles.velocity,
+            pressure,
+            found,
+            system.boundary.faces.particle,
+            system.boundary.faces.pull,
+            self._inertia,
+            self._by_film,
+            self.partial,
+            self._wrench,
+            self._answer,
+        )
+
+    def _give_way(self, ahead: float) -> None:
+        system = self.system
+        faces = system.boundary.faces
+        reaction_sums.give_way(
+            system.count,
+            ahead,
+            system.spec.rest_density,
+            system.particles.position,
+            system.particles.velocity,
+            faces.begin,
+            faces.size,
+            faces.solid,
+            faces.pull,
+            self.body_of,
+            self._inertia,
+            self._answer,
+            system.particles.push,
+        )
+        if self.film and self.film.active:
+            self.film.give_way(self._answer)
+
+    @property
+    def bytes(self) -> int:
+        return 4 * (self.order.shape[0] + self._tally.shape[0]) + 48 * self.partial.shape[0]

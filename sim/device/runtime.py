@@ -1,0 +1,86 @@
+"""Start of Taichi, once a process."""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import io
+import os
+import sys
+
+from sim.device import compilation, kernel_cache, launching, summation
+from sim.device.affinity import bound
+
+_running: tuple[str, int] | None = None
+
+
+def start(*, threads: int | None = None, arch: str = "auto") -> str:
+    """Start Taichi; returns the name of the architecture.
+
+    `arch` is auto, cpu or cuda; raises Refused for cuda without a device, and where no kernels can be kept. Asking
+    Taichi for "any GPU" crashes on machines with a display library and no GPU, so CUDA is asked for by name. Arrays are
+    freed one by one, so what runs already is kept: starting anew would compile all kernels again.
+    """
+    global _running
+    with contextlib.redirect_stdout(io.StringIO()):
+        import taichi as ti
+        from taichi.lang.misc import is_arch_supported
+
+        ti.set_logging_level(ti.ERROR)
+        if arch == "cuda" and not is_arch_supported(ti.cuda):
+            from scene.settings import Refused
+
+            raise Refused("no CUDA device was found", remedy="use --arch cpu, or leave --arch out")
+        from sim.device import precision
+
+        device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
+        wanted = device, threads or os.cpu_count() or 1
+        if wanted != _running:
+            if _running:
+                _disown()
+            with bound(wanted[1]):
+                ti.init(
+                    arch=ti.cuda if device == "cuda" else ti.cpu,
+                    cpu_max_num_threads=wanted[1],
+                    default_fp=ti.f64 if precision.chosen == "double" else ti.f32,
+                    default_ip=ti.i32,
+                    fast_math=True,
+                    offline_cache=True,
+                    offline_cache_file_path=kernel_cache.folder(),
+                    offline_cache_cleaning_policy="lru",
+                    log_level=ti.ERROR,
+                )
+            compilation.watch()
+            launching.forget()
+            if device == "cpu":
+                summation.keep_order()
+                launching.install()
+            _running = wanted
+    return device
+
+
+def _disown() -> None:
+    """Let no array that is still held free anything once Taichi starts anew, which frees all of them.
+
+    Taichi frees arrays by address, and what lies at that address by then may be another's.
+    """
+    from taichi.lang._ndarray import Ndarray
+    from taichi.lang.argpack import ArgPack
+
+    gc.collect()
+    for held in gc.get_objects():
+        if issubclass(type(held), Ndarray):
+            held.arr = None
+        elif issubclass(type(held), ArgPack):
+            held._ArgPack__argpack = None
+
+
+def compiled_kernels() -> list[str]:
+    """The kernels of this project that this process has compiled or taken from the cache, as `module.function`."""
+    found = []
+    for module in [module for name, module in sys.modules.items() if name.startswith("sim.")]:
+        for value in vars(module).values():
+            kernel = getattr(value, "_primal", None)
+            if kernel is not None and kernel.compiled_kernels and value.__module__ == module.__name__:
+                found.append(f"{value.__module__}.{value.__name__}")
+    return sorted(found)

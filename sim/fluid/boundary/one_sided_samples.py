@@ -1,0 +1,91 @@
+"""Samples that move, each for the particles on one side of it, and those near each particle."""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+import taichi as ti
+
+from sim.device.arrays import IntArray, IntTable, Vec4Array, numpy_real, vec4
+from sim.neighbors.spatial_hash import HashGrid, NeighborList
+
+
+class OneSidedSamples(ABC):
+    """`here` has positions [m] and weighted volumes [m^3]; radius [m] within which samples are listed.
+
+    facing: the plane beyond which the particles are that a sample is for: its unit normal, and its distance from the
+    origin [m].
+    """
+
+    def __init__(self, count: int, radius: float):
+        self.count = count
+        self.grid = HashGrid(count, radius)
+        self.near = NeighborList(48)
+        self.here, self.sorted, self.facing = (ti.ndarray(vec4, max(count, 1)) for _ in range(3))
+
+    @abstractmethod
+    def move(self, samples: ti.Ndarray, velocity: ti.Ndarray) -> float:
+        """Write positions [m] with volumes [m^3], and velocities [m/s]; returns the greatest speed [m/s]."""
+
+    def find(self, position: ti.Ndarray, count: int) -> None:
+        """Sort the samples by cell and list them in `near`, by their place in the cells' order."""
+        _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self.sorted)
+        self.near.build(position, count, self.grid, self.sorted, same=False)
+
+    def tell(self, position: ti.Ndarray, count: int, lists: NeighborList) -> int:
+        """Write what `find` has listed, by number, and for the particles that samples are for.
+
+        Returns the room that the longest needs; lists are whole where that is at most their capacity.
+        """
+        return _tell(
+            count,
+            position,
+            self.grid.order,
+            self.near.size,
+            self.near.index,
+            self.facing,
+            lists.capacity,
+            lists.size,
+            lists.index,
+        )
+
+    @property
+    def bytes(self) -> int:
+        return 12 * np.dtype(numpy_real).itemsize * self.count + self.grid.bytes + self.near.bytes
+
+
+@ti.kernel
+def _arrange(count: ti.i32, order: IntArray, source: Vec4Array, target: Vec4Array):
+    for k in range(count):
+        target[k] = source[order[k]]
+
+
+@ti.kernel
+def _tell(
+    count: ti.i32,
+    position: Vec4Array,
+    order: IntArray,
+    near_size: IntArray,
+    near_index: IntTable,
+    facing: Vec4Array,
+    capacity: ti.i32,
+    size: IntArray,
+    index: IntTable,
+) -> ti.i32:
+    longest = 0
+    for i in range(count):
+        end = 0
+        for k in range(near_size[i]):
+            sample = order[near_index[i, k]]
+            if beyond(facing[sample], position[i]):
+                if end < capacity:
+                    index[i, end] = sample
+                end += 1
+        size[i] = ti.min(end, capacity)
+        ti.atomic_max(longest, end)
+    return longest
+
+
+@ti.func
+def beyond(plane: vec4, point: vec4) -> ti.i32:
+    """Whether a point is on the side of a plane that its normal points to."""
+    return ti.cast(plane.xyz.dot(point.xyz) > plane.w, ti.i32)

@@ -1,0 +1,54 @@
+"""What samples of sheets add to the density of a particle, and how hard it is pressed against them."""
+
+import taichi as ti
+
+from sim.device.arrays import IntTable, Vec4Array, real, vec3, vec4
+from sim.fluid.kernel import cubic, cubic_slope
+
+
+@ti.func
+def sheet_share(
+    x: vec3,
+    row: ti.i32,
+    samples_near: ti.i32,
+    sample_index: IntTable,
+    samples: Vec4Array,
+    inverse_h: real,
+) -> vec4:
+    """Density at x over the rest density in w, and its gradient [1/m]; the samples are those listed in `row`."""
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    share = ti.cast(0.0, real)
+    gradient = vec3(0.0)
+    for k in range(samples_near):
+        b = samples[sample_index[row, k]]
+        d = x - b.xyz
+        q = d.norm() * inverse_h
+        share += norm * b.w * cubic(q)
+        gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
+    return vec4(gradient, share)
+
+
+@ti.func
+def approach(
+    x: vec3,
+    row: ti.i32,
+    samples_near: ti.i32,
+    sample_index: IntTable,
+    samples: Vec4Array,
+    sample_velocity: Vec4Array,
+    inverse_h: real,
+) -> real:
+    """Rate [1/s] at which the motion of the samples alone raises the share of the solids at x."""
+    rate = ti.cast(0.0, real)
+    for k in range(samples_near):
+        b = sample_index[row, k]
+        d = x - samples[b].xyz
+        rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
+    return 8.0 / ti.math.pi * inverse_h**5 * rate
+
+
+@ti.kernel
+def remember_way(count: ti.i32, dt: real, push: Vec4Array, pressed: Vec4Array):
+    """Keep the way [m] by pressure, for the force on bodies."""
+    for i in range(count):
+        pressed[i] = vec4(dt * dt * push[i].xyz, 0.0)

@@ -1,0 +1,4 @@
+"""Accelerations of particles other than by pressure: one file a force, registered in `registry`.
+
+Pressure solvers and couplings of the fluid import it.
+"""

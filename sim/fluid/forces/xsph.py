@@ -1,0 +1,59 @@
+"""XSPH (Monaghan 1989), applied to the velocities themselves (Schechter & Bridson 2012).
+
+v_i += eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij: what one of a pair gains the other loses. It is no viscosity in
+m^2/s: it acts once a step, however long that is.
+"""
+
+import taichi as ti
+
+from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3
+from sim.fluid.kernel import cubic
+from sim.fluid.system import FluidSystem
+from sim.neighbors.spatial_hash import padded
+
+ARRAYS = (Declared("mixed", "vec4", "velocity after it [m/s]", sorted=False, saved=False),)
+
+
+class Xsph:
+    """Mixes the velocities of a system, whose arrays are those declared in ARRAYS."""
+
+    def __init__(self, system: FluidSystem):
+        self.system = system
+
+    def apply(self) -> None:
+        system = self.system
+        _mix(
+            system.count,
+            system.h,
+            system.spec.xsph * system.mass,
+            system.particles.position,
+            system.particles.velocity,
+            system.particles.mixed,
+            system.neighbors.size,
+            system.neighbors.index,
+        )
+
+
+@ti.kernel
+def _mix(
+    count: ti.i32,
+    h: real,
+    weight: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    mixed: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h**3
+    for i in range(count):
+        x, v = position[i].xyz, velocity[i]
+        change = vec3(0.0)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            vj = velocity[j]
+            change += 2.0 * cubic((x - position[j].xyz).norm() * inverse_h) / (v.w + vj.w) * (vj.xyz - v.xyz)
+        mixed[i].xyz = v.xyz + weight * norm * change
+    for i in range(count):
+        velocity[i].xyz = mixed[i].xyz

@@ -1,0 +1,227 @@
+"""Gradients that are right for linear fields, however particles lie: what DFSPH takes the compression of velocities by.
+
+The kernel's own gradient is not: in a lattice that has been strained, sum_j V x_ji grad W_ij is no unit matrix, so that
+pressure has a shear stress there, and what flows loses energy to it. With the inverse of that sum, L_i, the rate
+    (D rho / D t)_i = sum_j m (v_i - v_j).L_i grad W_ij + v_i.G_i + what the motion of the solids adds
+is exact for linear velocities (Bonet & Lok 1999), and the accelerations by pressures q = p / rho^2
+    a_i = -sum_j m (q_i L_i + q_j L_j) grad W_ij - q_i G_i
+are its adjoint, so that they keep momentum and angular momentum, and take no energy from what is not compressed.
+
+A solid counts as a half-space of fluid that moves with it as its mirror image: with A(s), the area of the kernel at the
+distance s, it has the gradient G_i = -2 rho0 A(s) L_i n and a part 2 s A(s) n n in the sum. L_i n is not n where
+particles lie unevenly along the surface: a solid that pressed along n alone would leave what L_i makes of the pairs'
+forces there, which was tried, and slows bodies in water.
+
+Along a surface a particle has fewer neighbours than elsewhere. Where L_i makes that good, differences of velocity are
+right, but differences of pressure are not: neighbours further off have another L_j, and water at rest would be pushed
+down next to walls and up a layer further in. So along surfaces it is left to `half_space.along_faces`, and what is
+missing counts in the sum as if it were there. At a free surface, where more than half of them can be missing,
+the kernel's gradient stays: pressure is next to nothing there.
+"""
+
+from functools import cache
+
+import numpy as np
+import taichi as ti
+
+from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.fluid.boundary.faces import Faces
+from sim.fluid.boundary.gaps import felt_velocity, relieved
+from sim.fluid.boundary.half_space import along_faces, lacking_along
+from sim.fluid.boundary.samples import approach, sheet_share
+from sim.fluid.forces.pairwise import matrix
+from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
+from sim.fluid.system import FluidSystem
+from sim.fluid.time_step_limits import fall_limit
+from sim.neighbors.spatial_hash import padded
+
+ARRAYS = (
+    Declared("correction", "vec4", "L: xx, yy, zz", saved=False),
+    Declared("skew", "vec4", "L: xy, xz, yz", saved=False),
+)
+BARE, FULL = 0.75, 0.9
+"""Third of the trace of the sum over particles, over what it is where they fill all that solids leave, up to which
+gradients are not corrected, and from which they are."""
+FLAT, ROUND = 0.25, 0.5
+"""The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
+
+BACK = 0.2
+"""Of what the density is off already, velocities bring back so much in the longest step that falling allows (Baumgarte
+1972), and less in shorter ones. All of it at once would make pressures as uncertain as one step leaves densities; and
+as much in a short step would shoot off drops that are pressed onto an edge, the faster, the shorter it is."""
+
+
+@cache
+def lattice_sum(spacing: float, h: float, volume: float) -> float:
+    """A third of the trace of the sum over particles in a lattice of this spacing [m], each with this volume [m^3]."""
+    points = lattice(spacing, h)
+    r = np.linalg.norm(points, axis=1)
+    return -volume / 3.0 * float((cubic_slope_host(r, h) * r**2).sum())
+
+
+def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
+    """Write L, G, D, pulls of faces, and as source what the present velocities would compress in `dt` [s], with a share
+    of the compression there is, for the solids where `meet` has found them."""
+    particles, boundary = system.particles, system.boundary
+    faces = boundary.faces
+    _compression_rates(
+        system.count,
+        dt,
+        _share_back(system, dt),
+        system.spec.spacing,
+        system.h,
+        system.mass,
+        system.spec.rest_density,
+        smallest_diagonal,
+        lattice_sum(system.spec.spacing, system.h, system.mass / system.spec.rest_density),
+        particles.position,
+        particles.velocity,
+        particles.correction,
+        particles.skew,
+        particles.solid,
+        particles.diagonal,
+        particles.source,
+        *system.lists,
+        boundary.velocity,
+        *faces.lists,
+        faces.solid,
+        faces.pull,
+        boundary.shapes.pose,
+        faces.excess,
+    )
+
+
+def _share_back(system: FluidSystem, dt: float) -> float:
+    """Of what the density is off, in a step of dt [s]; where nothing falls, nothing presses drops onto edges."""
+    longest = fall_limit(system.h / 2, float(np.linalg.norm(system.gravity)))
+    return BACK * min(1.0, dt / longest) if longest < np.inf else BACK
+
+
+@ti.func
+def face_pull(face: vec4, weight: real, lens: mat3, inverse_h: real) -> vec3:
+    """What a half-space adds to G, over the rest density [1/m]."""
+    area = halfspace_area(ti.max(face.w, 0.0) * inverse_h) * inverse_h
+    return -2.0 * weight * area * (lens @ face.xyz)
+
+
+def correct_pulls(system: FluidSystem, faces: Faces) -> None:
+    """Write what half-spaces add to G of particles elsewhere, in their order, with L as it is."""
+    particles = system.particles
+    _correct_pulls(system.count, system.h, particles.correction, particles.skew, *faces.lists, faces.pull)
+
+
+@ti.kernel
+def _correct_pulls(
+    count: ti.i32,
+    h: real,
+    correction: Vec4Array,
+    skew: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    pull: Vec4Array,
+):
+    inverse_h = 1.0 / h
+    for i in range(count):
+        lens = matrix(correction[i], skew[i])
+        for e in range(begin[i], begin[i] + solids_near[i]):
+            one = face_pull(face[e], face_weight[e], lens, inverse_h)
+            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
+
+
+@ti.kernel
+def _compression_rates(
+    count: ti.i32,
+    dt: real,
+    back: real,
+    spacing: real,
+    h: real,
+    mass: real,
+    rest_density: real,
+    smallest_diagonal: real,
+    lattice_sum: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    correction: Vec4Array,
+    skew: Vec4Array,
+    solid: Vec4Array,
+    diagonal: RealArray,
+    source: RealArray,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    sample_velocity: Vec4Array,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+    solid_of: IntArray,
+    pull: Vec4Array,
+    pose: DoubleTable,
+    excess: RealArray,
+):
+    inverse_h = 1.0 / h
+    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    for i in range(count):
+        x, v = position[i].xyz, velocity[i]
+        last = begin[i] + solids_near[i]
+        sums = mat3(0.0)
+        for k in range(padded(size[i])):
+            d = x - position[index[i, k]].xyz
+            sums -= cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+        sums *= mass / rest_density * slope_norm
+        if ti.static(has_samples):
+            for k in range(sample_size[i]):
+                b = samples[sample_index[i, k]]
+                d = x - b.xyz
+                sums -= slope_norm * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+        filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
+        for e in range(begin[i], last):
+            n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
+            across = q * halfspace_area(q)
+            sums += 2.0 * face_weight[e] * across * n.outer_product(n)
+            room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
+        if last > begin[i]:
+            sums += lattice_sum * lacking_along(i, begin, solids_near, face, held, fit, inverse_h)
+        full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
+        full *= full * (3.0 - 2.0 * full)
+        full *= ti.math.clamp((sums.determinant() - FLAT) / (ROUND - FLAT), 0.0, 1.0)
+        lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
+        correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)
+        skew[i] = vec4(lens[0, 1], lens[0, 2], lens[1, 2], 0.0)
+        along, squares, pairs = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            d = x - position[j].xyz
+            gradient = cubic_slope(d.norm() * inverse_h) * (lens @ d)
+            along += gradient
+            squares += gradient.dot(gradient)
+            pairs += gradient.dot(v.xyz - velocity[j].xyz)
+        gradient, rate = vec3(0.0), ti.cast(0.0, real)
+        for e in range(begin[i], last):
+            one = face_pull(face[e], face_weight[e], lens, inverse_h)
+            gradient += one
+            there = x + dt * v.xyz
+            rate += one.dot(v.xyz - felt_velocity(e, there, begin[i], last, solid_of, face, pose, spacing))
+            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
+        if ti.static(has_samples):
+            there = x + dt * v.xyz
+            one = sheet_share(there, i, sample_size[i], sample_index, samples, inverse_h).xyz
+            gradient += one
+            rate += one.dot(v.xyz)
+            rate += approach(there, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
+        solid[i].xyz = rest_density * gradient
+        strength = mass * slope_norm
+        whole = strength * along + rest_density * gradient
+        d_ii = whole.dot(whole) + strength * strength * squares
+        diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+        density = relieved(v.w, rest_density, excess[i])
+        source[i] = back * (density - rest_density) + dt * (strength * pairs + rest_density * rate)

@@ -1,0 +1,238 @@
+"""Predictive-corrective incompressible SPH (Solenthaler & Pajarola 2009).
+
+Positions after the step are predicted, densities found there, and pressures raised by what these exceed the rest
+density, until that is little. With q = p / rho^2 and the gradient G of what solids add to the density,
+    q += 0.5 (rho* - rho0) / (dt^2 (sum_j |m grad W_ij|^2 + |G|^2)),
+where the sum is that of a lattice (eq. 8): a particle with few neighbours would be raised too much.
+
+The density of solids is steep, and bends both ways. With G at the place that was predicted last, a particle that is
+pushed out of a solid loses the force that did it and falls back, further each time; and one that is deep inside, where
+G vanishes, is raised without bound. So G only grows while a step is solved: it begins where the particle would go
+without pressure, and takes over what it lacks of any steeper one that is met.
+"""
+
+from typing import ClassVar
+
+import numpy as np
+import taichi as ti
+
+from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.half_space import along_faces
+from sim.fluid.boundary.samples import remember_way, sheet_share
+from sim.fluid.forces.pairwise import pressure_sum
+from sim.fluid.kernel import cubic, cubic_slope_host, lattice
+from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
+from sim.fluid.sums import BLOCKS, span
+from sim.fluid.system import FluidSystem
+from sim.neighbors.spatial_hash import itself, padded
+
+RELAXATION = 0.5
+"""Share of what would bring one particle alone to its rest density: its neighbours are raised with it."""
+
+
+class Pcisph(Incompressible):
+    """Advances a FluidSystem."""
+
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Incompressible.BEFORE,
+        Declared("push", "vec4", "acceleration by pressure [m/s^2]", sorted=False, saved=False),
+        Declared(
+            "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
+        ),
+        Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]", sorted=False, saved=False),
+    )
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Declared("pressed", "vec4", "way by pressure in the last step [m]", saved=False),
+    )
+
+    def __init__(self, system: FluidSystem, fastest_signal: float):
+        super().__init__(system, fastest_signal)
+        points = lattice(system.spec.spacing, system.h)
+        slope = cubic_slope_host(np.linalg.norm(points, axis=1), system.h)
+        self.lattice_sum = system.mass**2 * float((slope[:, None] ** 2 * points**2).sum())
+        self._sums = ti.ndarray(ti.f64, (BLOCKS, 2))
+
+    def examine(self, dt: float) -> None:
+        particles = self.system.particles
+        _predict(self.system.count, 0.0, particles.position, particles.velocity, particles.push, particles.predicted)
+        self._compress(0.0, fresh=True)
+        _keep_density(self.system.count, self.system.spec.rest_density, particles.velocity, particles.predicted)
+
+    def press(self, dt: float) -> dict[str, float]:
+        system, particles, settings = self.system, self.system.particles, self.settings
+        tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
+        _begin(system.count, particles.position, particles.push, particles.solid)
+        bodies = system.bodies
+        for iteration in range(1, self.most_iterations + 1):
+            _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
+            if bodies:
+                bodies.answer(dt, beside_expected=True)
+            mean, worst = self._compress(dt, fresh=iteration == 1)
+            good = mean <= tolerance and worst <= worst_allowed
+            if good and iteration >= settings.min_iterations:
+                break
+            self._raise(dt)
+        if bodies:
+            bodies.take(dt)
+        kick(system.count, dt, particles.velocity, particles.push)
+        if system.remembers:
+            remember_way(system.count, dt, particles.push, particles.pressed)
+        return {"pressure_iterations": iteration, "capped": not good}
+
+    def _compress(self, dt: float, *, fresh: bool) -> tuple[float, float]:
+        """Compression at the predicted positions [kg/m^3], which is written, as G is: its mean and maximum.
+
+        Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
+        """
+        system, particles = self.system, self.system.particles
+        system.meet(position=particles.predicted, pulls=fresh)
+        mean, worst = _compress(
+            system.count,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            dt,
+            fresh,
+            system.bodies is not None,
+            system.particles.predicted,
+            system.particles.push,
+            system.particles.solid,
+            *system.lists,
+            system.boundary.faces.share,
+            system.boundary.faces.excess,
+            self._sums,
+        )
+        return mean, worst
+
+    def _raise(self, dt: float) -> None:
+        """Raise pressures by what is compressed, and find the accelerations."""
+        system, particles = self.system, self.system.particles
+        _raise(
+            system.count,
+            RELAXATION / (dt * dt),
+            self.lattice_sum,
+            1.0 + (system.bodies.lightness if system.bodies else 0.0),
+            system.h,
+            system.mass,
+            particles.position,
+            particles.push,
+            particles.predicted,
+            particles.solid,
+            system.neighbors.size,
+            system.neighbors.index,
+            *system.boundary.faces.lists,
+        )
+
+
+@ti.kernel
+def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array, solid: Vec4Array):
+    for i in range(count):
+        position[i].w = 0.0
+        push[i] = vec4(0.0)
+        solid[i] = vec4(0.0)
+
+
+@ti.kernel
+def _predict(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, push: Vec4Array, predicted: Vec4Array):
+    for i in range(count):
+        predicted[i].xyz = position[i].xyz + dt * (velocity[i].xyz + dt * push[i].xyz)
+
+
+@ti.kernel
+def _keep_density(count: ti.i32, rest_density: real, velocity: Vec4Array, predicted: Vec4Array):
+    for i in range(count):
+        velocity[i].w = rest_density + predicted[i].w
+
+
+@ti.kernel
+def _compress(
+    count: ti.i32,
+    h: real,
+    mass: real,
+    rest_density: real,
+    dt: real,
+    fresh: ti.i32,
+    has_bodies: ti.template(),
+    predicted: Vec4Array,
+    push: Vec4Array,
+    solid: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    solids: Vec4Array,
+    excess: RealArray,
+    sums: DoubleTable,
+) -> ti.types.vector(2, ti.f64):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    for i in range(count):
+        x = predicted[i].xyz
+        near = ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            near += cubic((x - predicted[index[i, k]].xyz).norm() * inverse_h)
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
+        steep = rest_density * share.xyz.norm()
+        if ti.static(has_bodies):
+            if fresh == 1:
+                solid[i].xyz = rest_density * share.xyz
+        elif steep > 0:
+            normal = share.xyz.normalized()
+            solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
+        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
+        predicted[i].w = relieved(density, rest_density, excess[i]) - rest_density
+        if ti.static(has_bodies):
+            predicted[i].w -= dt * dt * push[i].w
+    for block in range(BLOCKS):
+        total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
+        within = span(block, BLOCKS, count)
+        for i in range(within[0], within[1]):
+            total += ti.max(predicted[i].w, 0.0)
+            worst = ti.max(worst, predicted[i].w)
+        sums[block, 0] = total
+        sums[block, 1] = worst
+    total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+    ti.loop_config(serialize=True)
+    for block in range(BLOCKS):
+        total += sums[block, 0]
+        worst = ti.max(worst, sums[block, 1])
+    return ti.Vector([total / count, worst])
+
+
+@ti.kernel
+def _raise(
+    count: ti.i32,
+    factor: real,
+    lattice_sum: real,
+    giving_way: real,
+    h: real,
+    mass: real,
+    position: Vec4Array,
+    push: Vec4Array,
+    predicted: Vec4Array,
+    solid: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    begin: IntArray,
+    solids_near: IntArray,
+    face: Vec4Array,
+    face_weight: RealArray,
+    held: RealArray,
+    fit: vec4,
+):
+    inverse_h = 1.0 / h
+    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    for i in range(count):
+        diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
+        position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
+    for i in range(count):
+        a = pressure_sum(i, position, size, index, inverse_h)
+        a = strength * a - position[i].w * solid[i].xyz
+        if solid[i].xyz.any():
+            a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
+        push[i].xyz = a

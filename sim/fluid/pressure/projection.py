@@ -1,0 +1,209 @@
+"""The pressures that keep a fluid from being compressed, for every solver that looks for them.
+
+With q = p / rho^2, pressures accelerate particles by
+    a_i(q) = B_i [-sum_j m (q_i + q_j) grad W_ij - q_i G_i],
+where G_i is the gradient of what the solids add to the density of particle i, and B_i makes good along their surfaces
+what it lacks (`sim.fluid.boundary.half_space.along_faces`). Over a step dt that changes densities by
+    dt^2 (L q)_i = dt^2 [sum_j m (a_i - a_j).grad W_ij + a_i.G_i].
+L is symmetric and negative semidefinite; away from walls its diagonal is -D_i, with
+    D_i = |sum_j m grad W_ij + G_i|^2 + sum_j m^2 |grad W_ij|^2.
+Wanted is q >= 0 with r = s + dt^2 L q <= 0, and r = 0 where q > 0, for a predicted compression s [kg/m^3]: the
+minimum over q >= 0 of the energy dt^2 q.(-L q) / 2 - s.q. This module gives s, D and G;
+`sim.fluid.pressure.conjugate_gradients` finds q.
+
+Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D, there 1/alpha; eq. 9 to 12).
+"""
+
+import numpy as np
+import taichi as ti
+
+from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.samples import sheet_share
+from sim.fluid.forces.pairwise import SOFTENING, viscous
+from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
+from sim.fluid.system import FluidSystem
+from sim.neighbors.spatial_hash import itself, padded
+
+ARRAYS = (
+    Declared(
+        "push",
+        "vec4",
+        "acceleration by pressure [m/s^2], or between steps by friction; w: s + dt^2 L q [kg/m^3]",
+        sorted=False,
+        saved=False,
+    ),
+    Declared("kept", "vec4", "as push, of the best pressures found", sorted=False, saved=False),
+    Declared(
+        "search",
+        "vec4",
+        "the best pressures found as q, their last change, and position.w before",
+        sorted=False,
+        saved=False,
+    ),
+    Declared("solid", "vec4", "gradient G of the solids' density [kg/m^4]; w: that density [kg/m^3]", False, False),
+    Declared("diagonal", "real", "D [kg^2/m^8]", sorted=False, saved=False),
+    Declared("source", "real", "predicted compression s [kg/m^3]", sorted=False, saved=False),
+)
+
+SMALLEST_DIAGONAL = 1e-3
+"""Under this share of a lattice's diagonal a particle has too few neighbours to be pushed."""
+
+
+class Projection:
+    """The equations for the particles of a system; its arrays are those declared in ARRAYS.
+
+    viscosity: of the friction between particles that is found beside them [m^2/s].
+    """
+
+    def __init__(self, system: FluidSystem, viscosity: float):
+        self.system = system
+        self.viscosity = viscosity
+        h, mass = system.h, system.mass
+        points = lattice(system.spec.spacing, h)
+        r = np.linalg.norm(points, axis=1)
+        slope = cubic_slope_host(r, h)
+        self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
+
+    def prepare(self, *, diagonal: bool = True) -> None:
+        """Densities, G, in push the friction of the present velocities, and D unless a solver has another `diagonal`.
+
+        Friction is that of `sim.fluid.forces.momentum`, for pairs at rest density.
+        """
+        system = self.system
+        particles = system.particles
+        _prepare(
+            system.count,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            self.smallest_diagonal,
+            particles.position,
+            particles.velocity,
+            particles.solid,
+            diagonal,
+            particles.diagonal,
+            self.viscosity > 0,
+            self.viscosity,
+            particles.push,
+            *system.lists,
+            system.boundary.faces.share,
+        )
+
+    def predict(self, dt: float) -> None:
+        """As source the compression after `dt` with the present velocities.
+
+        The share of the solids is steep, so it is taken, with its gradient G, where the particle would go.
+        """
+        system = self.system
+        particles, boundary = system.particles, system.boundary
+        system.meet(dt)
+        _predict(
+            system.count,
+            dt,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            particles.position,
+            particles.velocity,
+            particles.solid,
+            particles.source,
+            *system.lists,
+            boundary.faces.share,
+            boundary.faces.excess,
+        )
+
+
+@ti.kernel
+def _prepare(
+    count: ti.i32,
+    h: real,
+    mass: real,
+    rest_density: real,
+    smallest_diagonal: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    solid: Vec4Array,
+    has_diagonal: ti.template(),
+    diagonal: RealArray,
+    has_viscosity: ti.template(),
+    viscosity: real,
+    push: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    solids: Vec4Array,
+):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    slope_norm = norm * inverse_h * inverse_h
+    softening = SOFTENING * h * h
+    for i in range(count):
+        x, v = position[i].xyz, velocity[i].xyz
+        near, squares = ti.cast(0.0, real), ti.cast(0.0, real)
+        along, rub = vec3(0.0), vec3(0.0)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            d = x - position[j].xyz
+            r2 = d.dot(d)
+            q = ti.sqrt(r2) * inverse_h
+            slope = cubic_slope(q)
+            near += cubic(q)
+            if ti.static(has_diagonal):
+                squares += slope * slope * r2
+                along += slope * d
+            if ti.static(has_viscosity):
+                rub += viscous(d.dot(v - velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
+        if ti.static(has_viscosity):
+            push[i].xyz = mass * slope_norm / rest_density * rub
+        density = mass * norm * (near + itself(size[i]))
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
+        density += rest_density * share.w
+        gradient = rest_density * share.xyz
+        velocity[i].w = density
+        solid[i] = vec4(gradient, rest_density * share.w)
+        if ti.static(has_diagonal):
+            whole = mass * slope_norm * along + gradient
+            d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
+            diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+
+
+@ti.kernel
+def _predict(
+    count: ti.i32,
+    dt: real,
+    h: real,
+    mass: real,
+    rest_density: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    solid: Vec4Array,
+    source: RealArray,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    solids: Vec4Array,
+    excess: RealArray,
+):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    for i in range(count):
+        x, v = position[i].xyz, velocity[i]
+        near = ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            j = index[i, k]
+            near += cubic((x - position[j].xyz + dt * (v.xyz - velocity[j].xyz)).norm() * inverse_h)
+        share = solids[i]
+        if ti.static(has_samples):
+            share += sheet_share(x + dt * v.xyz, i, sample_size[i], sample_index, samples, inverse_h)
+        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
+        source[i] = relieved(density, rest_density, excess[i]) - rest_density
+        solid[i].xyz = rest_density * share.xyz

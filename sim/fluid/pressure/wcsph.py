@@ -1,0 +1,154 @@
+"""Weakly compressible SPH (Becker & Teschner 2007), advanced by velocity Verlet.
+
+Density      rho_i = sum_j m W_ij + rho0 (half-spaces of solids + samples of sheets)
+Pressure     p_i = B ((rho_i / rho0)^7 - 1), B = rho0 c^2 / 7, never negative          Becker & Teschner 2007, eq. 7
+"""
+
+from typing import ClassVar
+
+import taichi as ti
+
+from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real
+from sim.fluid.boundary.gaps import relieved
+from sim.fluid.forces.momentum import Momentum
+from sim.fluid.forces.velocity_smoothing import Mixing
+from sim.fluid.kernel import cubic
+from sim.fluid.system import FluidSystem, Measure
+from sim.fluid.time_step_limits import force_limit, light_limit
+from sim.neighbors.spatial_hash import itself, padded
+
+GAMMA = 7.0
+"""Exponent of the equation of state of water (Cole 1948)."""
+
+
+class Wcsph:
+    """Advances a FluidSystem; `fastest_signal` is the speed of sound [m/s]."""
+
+    ARRAYS: ClassVar[tuple[Declared, ...]] = ()
+    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = ()
+    STATISTICS: ClassVar[tuple[str, ...]] = ()
+    HOLDS_ALONG_ALL: ClassVar[bool] = False
+    SKIN: ClassVar[float] = 0.1
+    """Sound forbids steps in which particles move far, so that a list can serve for several of them."""
+
+    def __init__(self, system: FluidSystem, fastest_signal: float):
+        spec = system.spec
+        self.system = system
+        self.speed_of_sound = fastest_signal
+        self.stiffness = spec.rest_density * self.speed_of_sound**2 / GAMMA
+        self.artificial = 0.5 * spec.wcsph.artificial_viscosity * self.speed_of_sound * system.h
+        damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
+        self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
+        self.mixing = Mixing(system)
+
+    def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
+        """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
+        half, bodies = 0.5 * self.system.h, self.system.bodies
+        signal = cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed)
+        limits = {"signal": signal, "force": force_limit(half, measure.a_max)} | self.momentum.step_limits()
+        return limits | ({"light body": light_limit(signal, bodies.lightness)} if bodies else {})
+
+    def start(self) -> None:
+        """Find the accelerations of the initial state, or of one that an event has changed."""
+        self._accelerate()
+        if self.system.bodies:
+            self.system.bodies.strike(0.0, self.momentum)
+        self.system.lead()
+
+    def restore(self) -> None:
+        """Go on from a checkpoint: it holds all that a step begins with but where solids are to particles."""
+        self.system.find_solids()
+        self.system.neighbors.forget(self.system.count)
+
+    def advance(self, dt: float) -> dict[str, float]:
+        """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
+        particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
+        _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
+        told = {}
+        if self.system.bodies:
+            told = self.system.bodies.drift(dt)
+            self.system.bodies.hold_off(dt)
+        boundary.move()
+        boundary.hold_off(particles.position, particles.velocity, self.system.count)
+        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
+        self.system.exchange(dt, way)
+        self._accelerate(way, dt)
+        if self.system.bodies:
+            self.system.bodies.strike(dt, self.momentum)
+        _kick(self.system.count, dt, particles.velocity, particles.acceleration)
+        told |= self.mixing.mix(dt)
+        self.system.lead()
+        return told
+
+    def _accelerate(self, way: float = float("inf"), dt: float = 0.0) -> None:
+        system = self.system
+        system.find_neighbors(way, dt)
+        particles = system.particles
+        _density(
+            system.count,
+            system.h,
+            system.mass,
+            system.spec.rest_density,
+            self.stiffness,
+            particles.position,
+            particles.velocity,
+            *system.lists,
+            system.boundary.faces.share,
+            system.boundary.faces.excess,
+        )
+        self.momentum.accelerate()
+
+
+@ti.kernel
+def _drift(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, acceleration: Vec4Array):
+    for i in range(count):
+        v = velocity[i].xyz + 0.5 * dt * acceleration[i].xyz
+        velocity[i].xyz = v
+        position[i].xyz += dt * v
+
+
+@ti.kernel
+def _kick(count: ti.i32, dt: real, velocity: Vec4Array, acceleration: Vec4Array):
+    for i in range(count):
+        velocity[i].xyz += 0.5 * dt * acceleration[i].xyz
+
+
+@ti.kernel
+def _density(
+    count: ti.i32,
+    h: real,
+    mass: real,
+    rest_density: real,
+    stiffness: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    size: IntArray,
+    index: IntTable,
+    has_samples: ti.template(),
+    samples: Vec4Array,
+    sample_size: IntArray,
+    sample_index: IntTable,
+    solids: Vec4Array,
+    excess: RealArray,
+):
+    inverse_h = 1.0 / h
+    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    for i in range(count):
+        x = position[i].xyz
+        near = ti.cast(0.0, real)
+        for k in range(padded(size[i])):
+            near += cubic((x - position[index[i, k]].xyz).norm() * inverse_h)
+        # The padding repeats the particle itself, whose W h^3 pi / 8 is 1.
+        density = mass * norm * (near + itself(size[i]))
+        if ti.static(has_samples):
+            solid = ti.cast(0.0, real)
+            for k in range(sample_size[i]):
+                b = samples[sample_index[i, k]]
+                solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
+            density += rest_density * norm * solid
+        density += rest_density * solids[i].w
+        ratio = relieved(density, rest_density, excess[i]) / rest_density
+        ratio2 = ratio * ratio
+        pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
+        velocity[i].w = density
+        position[i].w = pressure / (density * density)

@@ -1,0 +1,274 @@
+"""Neighbour search by compact spatial hashing.
+
+Space is divided into cells: as long as the search radius along y and z, a quarter of it along x. They are numbered
+periodically: cell (x, y, z) has the same number as its images a period away, so that memory follows the number of
+particles and no domain bounds the scene. Far images share a cell and drop out by their distance.
+Within a period the numbering is linear with x running fastest, so that the cells of a row lie together in memory, and
+the fine division along x lets a search skip the ends of the rows that its sphere does not reach.
+"""
+
+import taichi as ti
+
+from sim.device.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
+
+SLICES = 4
+"""Cells along x in one search radius."""
+SCAN_CHUNK = 1024
+LANES = 8
+"""Lists are padded to a multiple of this with the particle itself, so that loops over them run in full vectors."""
+ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
+"""Rows of cells around a particle's own, nearest in memory first."""
+SLACK = 1e-3
+"""Share of the radius by which the reach along a row is too long rather than too short, for rounding."""
+
+
+@ti.func
+def padded(size: ti.i32) -> ti.i32:
+    """How far to run through a padded list of this size."""
+    return (size + (LANES - 1)) & ~(LANES - 1)
+
+
+@ti.func
+def itself(size: ti.i32) -> ti.i32:
+    """How often a particle has to be counted beside its padded list, to be counted once in all."""
+    return 1 - (padded(size) - size)
+
+
+def periods_for(count: int) -> tuple[int, int, int]:
+    """Search radii along x, y and z in a period: powers of two, one to two cubes a particle for room to splash."""
+    period = [8, 8, 8]
+    axis = 0
+    while period[0] * period[1] * period[2] < count:
+        period[(0, 2, 1)[axis % 3]] *= 2
+        axis += 1
+    return period[0], period[1], period[2]
+
+
+class HashGrid:
+    """Points sorted by cell: those of cell c are start[c] up to, without, start[c + 1]."""
+
+    def __init__(self, count: int, radius: float):
+        self.radius = radius
+        self._capacity = 0
+        self.periods = (0, 0, 0)
+        self.fit(count)
+
+    def fit(self, count: int) -> bool:
+        """Choose the period for this many points; the order of points depends on it. Returns whether it is another:
+        then nothing is sorted any more."""
+        if self.periods == periods_for(count):
+            return False
+        self.periods = periods_for(count)
+        self._cells = self.periods[0] * SLICES * self.periods[1] * self.periods[2]
+        self.start = ti.ndarray(ti.i32, self._cells + 2)
+        self._chunks = ti.ndarray(ti.i32, -(-(self._cells + 2) // SCAN_CHUNK))
+        return True
+
+    def sort(self, position: ti.Ndarray, count: int) -> ti.Ndarray:
+        """Find the order of points by cell; stable, so that the same positions give the same order."""
+        if count > self._capacity:
+            self._capacity = int(GROWTH * count)
+            self.order = ti.ndarray(ti.i32, self._capacity)
+            self._cell = ti.ndarray(ti.i32, self._capacity)
+        if count:
+            _sort(
+                count,
+                self.radius,
+                *self.periods,
+                self._cells,
+                position,
+                self._cell,
+                self._chunks,
+                self.start,
+                self.order,
+            )
+        return self.order
+
+    @property
+    def bytes(self) -> int:
+        return 4 * (self._cells + 2 * self._capacity)
+
+
+class NeighborList:
+    """Indices of the neighbours of particles, `capacity` at most each."""
+
+    def __init__(self, capacity: int):
+        self.capacity = capacity
+        self._rows = 0
+        self._allocate(1)
+
+    def _allocate(self, rows: int) -> None:
+        self._rows = rows
+        self.size = ti.ndarray(ti.i32, rows)
+        self.index = ti.ndarray(ti.i32, (rows, self.capacity))
+
+    def build(self, position: ti.Ndarray, count: int, cells: HashGrid, other: ti.Ndarray, *, same: bool) -> None:
+        """List the `other` points, sorted into `cells`, within their radius of each particle.
+
+        `same`: the others are the particles themselves; none is in its own list, but pads it.
+        """
+        self.reserve(count)
+        while count:
+            longest = _build(
+                count,
+                cells.radius,
+                position,
+                *cells.periods,
+                cells.start,
+                other,
+                same,
+                self.capacity,
+                self.size,
+                self.index,
+            )
+            if longest + LANES <= self.capacity:
+                return
+            self.grow(longest)
+
+    def reserve(self, count: int) -> None:
+        """Make room for the lists of `count` particles; where there was less, none is kept."""
+        if count > self._rows:
+            self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+
+    def clear(self, count: int) -> None:
+        """Hold lists of `count` points that have no neighbours."""
+        self.reserve(count)
+        self.size.fill(0)
+
+    def forget(self, count: int) -> None:
+        """Hold rows for `count` points of whose neighbours nothing is known but that they may have some."""
+        self.reserve(count)
+        self.size.fill(1)
+
+    def grow(self, longest: int) -> None:
+        """Make room for lists of `longest` and more; none is kept."""
+        self.capacity = -(-(longest + LANES) * 5 // 4 // 16) * 16
+        self._allocate(self._rows)
+
+    @property
+    def bytes(self) -> int:
+        return 4 * self._rows * (self.capacity + 1)
+
+
+@ti.kernel
+def _sort(
+    count: ti.i32,
+    radius: real,
+    px: ti.i32,
+    py: ti.i32,
+    pz: ti.i32,
+    cells: ti.i32,
+    position: Vec4Array,
+    cell: IntArray,
+    chunks: IntArray,
+    start: IntArray,
+    order: IntArray,
+):
+    """Counting sort by cell; one kernel, since its launch costs more than most of its loops.
+
+    `start` counts the points of cell c at c + 2; summed up, c + 1 is where the next point of cell c goes, and so
+    at last its end and the start of the cell after.
+    """
+    for c in range(cells + 2):
+        start[c] = 0
+    for i in range(count):
+        u = position[i].xyz / radius
+        at = ti.floor(vec3(u.x * SLICES, u.y, u.z), ti.i32)
+        c = ((at.z & (pz - 1)) * py + (at.y & (py - 1))) * px * SLICES + (at.x & (px * SLICES - 1))
+        cell[i] = c
+        ti.atomic_add(start[c + 2], 1)
+    for k in range(chunks.shape[0]):
+        s = 0
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, cells + 2)):
+            s += start[c]
+        chunks[k] = s
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        s = 0
+        for k in range(chunks.shape[0]):
+            here = chunks[k]
+            chunks[k] = s
+            s += here
+    for k in range(chunks.shape[0]):
+        s = chunks[k]
+        for c in range(k * SCAN_CHUNK, ti.min((k + 1) * SCAN_CHUNK, cells + 2)):
+            s += start[c]
+            start[c] = s
+    for i in range(count):
+        order[ti.atomic_add(start[cell[i] + 1], 1)] = i
+    # Atomics place the points of a cell in no particular order: sort them by their former index.
+    for c in range(cells):
+        for k in range(start[c] + 1, start[c + 1]):
+            value = order[k]
+            slot = k - 1
+            while slot >= start[c] and order[slot] > value:
+                order[slot + 1] = order[slot]
+                slot -= 1
+            order[slot + 1] = value
+
+
+@ti.kernel
+def _build(
+    count: ti.i32,
+    radius: real,
+    position: Vec4Array,
+    px: ti.i32,
+    py: ti.i32,
+    pz: ti.i32,
+    start: IntArray,
+    other: Vec4Array,
+    same: ti.template(),
+    capacity: ti.i32,
+    size: IntArray,
+    index: IntTable,
+) -> ti.i32:
+    """List for every particle the `other` points within the radius; returns the room that was needed.
+
+    Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less. So there has to
+    be room for all candidates of a row, else the row is left out, and the list has to grow and be built again.
+    """
+    longest = 0
+    for i in range(count):
+        x = position[i].xyz
+        u = x / radius
+        whole = ti.floor(u)
+        at = ti.cast(whole, ti.i32)
+        inside = u - whole
+        found, needed = 0, 0
+        for dy, dz in ti.static(ROWS):
+            across = row_distance(inside.y, dy) ** 2 + row_distance(inside.z, dz) ** 2
+            if across < 1.0 + SLACK:
+                reach = ti.sqrt(1.0 + SLACK - across)
+                low, high = ti.floor((u.x - reach) * SLICES, ti.i32), ti.floor((u.x + reach) * SLICES, ti.i32)
+                left, right = low & (px * SLICES - 1), high & (px * SLICES - 1)
+                row = (((at.z + dz) & (pz - 1)) * py + ((at.y + dy) & (py - 1))) * px * SLICES
+                wraps = ti.cast(left > right, ti.i32)
+                for piece in range(1 + wraps):
+                    begin = start[row + ti.select(piece == 0, left, 0)]
+                    end = start[row + ti.select(piece == wraps, right, px * SLICES - 1) + 1]
+                    needed = ti.max(needed, found + end - begin)
+                    if needed + LANES <= capacity:
+                        for j in range(begin, end):
+                            d = x - other[j].xyz
+                            index[i, found] = j
+                            near = ti.cast(d.dot(d) < radius * radius, ti.i32)
+                            if ti.static(same and dy == 0 and dz == 0):
+                                near &= ti.cast(j != i, ti.i32)
+                            found += near
+        size[i] = found
+        if ti.static(same) and found + LANES <= capacity:
+            for k in range(found, padded(found)):
+                index[i, k] = i
+        ti.atomic_max(longest, needed)
+    return longest
+
+
+@ti.func
+def row_distance(inside: real, step: ti.template()):
+    """Distance to the row of cells `step` further on, over the cell's length."""
+    distance = ti.cast(0.0, real)
+    if ti.static(step < 0):
+        distance = inside
+    if ti.static(step > 0):
+        distance = 1.0 - inside
+    return distance

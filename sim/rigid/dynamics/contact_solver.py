@@ -1,0 +1,192 @@
+"""Impulses of all contacts together: projected Gauss-Seidel on velocities, with Coulomb's round cone.
+
+At every contact the relative velocity along the normal may not be below the limit that the gap leaves for the step,
+the impulse along it pulls nowhere, and one of them is at rest (Signorini). Friction opposes sliding with the
+coefficient mu times the normal impulse, or holds with less (Coulomb); it is projected onto the disc, not a pyramid
+(Moreau 1988; Jean 1999). Sweeps go on until no relative velocity is changed by more than asked for. Between them
+impulses go on along a conjugate direction, without which a heavy body on a light one would take thousands of sweeps
+(Silcowitz-Hansen, Niebel & Erleben 2010, NNCG).
+"""
+
+import taichi as ti
+
+from sim.device.double import Integers, Matrices, Numbers, Quaternions, Vectors, cross_matrix, mat3, vec2, vec3
+
+Motion = ti.types.argpack(
+    position=Vectors,
+    rotation=Quaternions,
+    velocity=Vectors,
+    spin=Vectors,
+    momentum=Vectors,
+    inverse_mass=Numbers,
+    inverse_inertia=Matrices,
+)
+"""Bodies in the world: centres of mass [m], rotations, velocities [m/s] and [rad/s], angular momenta
+[kg m^2/s]; inverse mass [1/kg] and inverse inertia about the centre in world axes [1/(kg m^2)], zero of bodies that
+nothing moves."""
+
+Contacts = ti.types.argpack(
+    body=Integers,
+    place=Vectors,
+    normal=Vectors,
+    carried=Vectors,
+    limit=Numbers,
+    friction=Numbers,
+    grip=Numbers,
+    push=Numbers,
+    drag=Vectors,
+    along=Numbers,
+    across=Numbers,
+    gain=Vectors,
+    course=Vectors,
+)
+"""Contacts: both bodies, place [m], normal towards the first, what turning adds over the step to the relative velocity
+across, and the least one along the normal [m/s], coefficients of friction while sliding and at rest, impulses along the
+normal and across [N s], and their effective masses [kg]; what the last sweep added to the impulses and the direction in
+which they go on [N s]."""
+
+
+@ti.func
+def _mobility(motion: ti.template(), body: ti.i32, place: vec3) -> mat3:
+    """Change of velocity at a place of a body by an impulse there [1/kg]."""
+    arm = cross_matrix(place - motion.position[body])
+    turning = arm @ motion.inverse_inertia[body] @ arm
+    unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    return unit * motion.inverse_mass[body] - turning
+
+
+@ti.func
+def relative_velocity(motion: ti.template(), contacts: ti.template(), c: ti.i32) -> vec3:
+    """Of the first body as seen from the second, where they touch [m/s]."""
+    return relative(motion.velocity, motion.spin, motion, contacts, c)
+
+
+@ti.func
+def relative(
+    velocity: ti.template(), spin: ti.template(), motion: ti.template(), contacts: ti.template(), c: ti.i32
+) -> vec3:
+    """The same with other velocities than those of `motion`."""
+    a, b, place = contacts.body[2 * c], contacts.body[2 * c + 1], contacts.place[c]
+    at_a = velocity[a] + spin[a].cross(place - motion.position[a])
+    at_b = velocity[b] + spin[b].cross(place - motion.position[b])
+    return at_a - at_b
+
+
+@ti.func
+def strike(motion: ti.template(), contacts: ti.template(), c: ti.i32, impulse: vec3):
+    """An impulse [N s] on the first body and its opposite on the second, at one place."""
+    a, b, place = contacts.body[2 * c], contacts.body[2 * c + 1], contacts.place[c]
+    turn_a = (place - motion.position[a]).cross(impulse)
+    turn_b = (place - motion.position[b]).cross(impulse)
+    motion.velocity[a] += motion.inverse_mass[a] * impulse
+    motion.spin[a] += motion.inverse_inertia[a] @ turn_a
+    motion.momentum[a] += turn_a
+    motion.velocity[b] -= motion.inverse_mass[b] * impulse
+    motion.spin[b] -= motion.inverse_inertia[b] @ turn_b
+    motion.momentum[b] -= turn_b
+
+
+@ti.kernel
+def weigh(count: ti.i32, motion: Motion, contacts: Contacts):
+    """Find effective masses, and apply the impulses that are there already."""
+    for c in range(count):
+        at, n = contacts.place[c], contacts.normal[c]
+        mobility = _mobility(motion, contacts.body[2 * c], at) + _mobility(motion, contacts.body[2 * c + 1], at)
+        contacts.along[c] = 1.0 / n.dot(mobility @ n)
+        # The greatest mobility across: of a smaller one, friction would point elsewhere than against sliding.
+        u = n.cross(vec3(1.0, 0.0, 0.0) if abs(n[0]) < 0.5 else vec3(0.0, 1.0, 0.0)).normalized()
+        v = n.cross(u)
+        uu, uv, vv = u.dot(mobility @ u), u.dot(mobility @ v), v.dot(mobility @ v)
+        half = 0.5 * (uu - vv)
+        contacts.across[c] = 1.0 / (0.5 * (uu + vv) + ti.sqrt(half * half + uv * uv))
+        contacts.drag[c] -= n * n.dot(contacts.drag[c])
+    ti.loop_config(serialize=True)
+    for c in range(count):
+        strike(motion, contacts, c, contacts.push[c] * contacts.normal[c] + contacts.drag[c])
+
+
+@ti.kernel
+def solve(count: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: Contacts) -> vec2:
+    """Sweep at most `most` times, until no relative velocity changes by more than `error` [m/s].
+
+    Returns the number of sweeps and the greatest change in the last [m/s].
+    """
+    sweeps, change = 0, ti.cast(0.0, ti.f64)
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        last = ti.cast(0.0, ti.f64)
+        change = error + 1.0
+        while sweeps < most and change > error:
+            if sweeps == 1:
+                for c in range(count):
+                    contacts.course[c] = contacts.gain[c]
+            elif sweeps > 1:
+                _go_on(count, motion, contacts, last)
+            last = _energy(count, contacts)
+            change = 0.0
+            for c in range(count):
+                change = ti.max(change, _settle(motion, contacts, c))
+            sweeps += 1
+    return vec2(ti.cast(sweeps, ti.f64), change)
+
+
+@ti.kernel
+def replace(count: ti.i32, motion: Motion, contacts: Contacts, push: Numbers, drag: Vectors):
+    """Take these impulses for the ones that there are."""
+    ti.loop_config(serialize=True)
+    for c in range(count):
+        more = (push[c] - contacts.push[c]) * contacts.normal[c] + drag[c] - contacts.drag[c]
+        contacts.push[c], contacts.drag[c] = push[c], drag[c]
+        strike(motion, contacts, c, more)
+
+
+@ti.func
+def _energy(count: ti.i32, contacts: ti.template()) -> ti.f64:
+    """Square of what the last sweep added, weighted by mobility [J]."""
+    total = ti.cast(0.0, ti.f64)
+    for c in range(count):
+        total += contacts.gain[c].norm_sqr() / contacts.along[c]
+    return total
+
+
+@ti.func
+def _go_on(count: ti.i32, motion: ti.template(), contacts: ti.template(), last: ti.f64):
+    """Add the former direction by the ratio of two sweeps' squares, or begin anew where they grow."""
+    share = _energy(count, contacts) / last
+    for c in range(count):
+        course = contacts.course[c]
+        if share <= 1.0:
+            impulse = share * course
+            push = contacts.normal[c].dot(impulse)
+            contacts.push[c] += push
+            contacts.drag[c] += impulse - push * contacts.normal[c]
+            strike(motion, contacts, c, impulse)
+            contacts.course[c] = impulse + contacts.gain[c]
+        else:
+            contacts.course[c] = vec3(0.0)
+
+
+@ti.func
+def _settle(motion: ti.template(), contacts: ti.template(), c: ti.i32) -> ti.f64:
+    """Change the impulses of one contact to what its own laws ask for; returns by how much its velocity changes."""
+    n = contacts.normal[c]
+    missing = contacts.limit[c] - n.dot(relative_velocity(motion, contacts, c))
+    push = ti.max(contacts.push[c] + contacts.along[c] * missing, 0.0)
+    more = push - contacts.push[c]
+    contacts.push[c] = push
+    strike(motion, contacts, c, more * n)
+    change = abs(more) / contacts.along[c]
+
+    drag = contacts.drag[c]
+    if push > 0.0 or drag.norm_sqr() > 0.0:
+        sliding = relative_velocity(motion, contacts, c) + contacts.carried[c]
+        sliding -= n * n.dot(sliding)
+        wanted = drag - contacts.across[c] * sliding
+        length = wanted.norm()
+        if length > contacts.grip[c] * push:
+            wanted *= ti.min(contacts.friction[c] * push / length, 1.0)
+        contacts.drag[c] = wanted
+        strike(motion, contacts, c, wanted - drag)
+        change = ti.max(change, (wanted - drag).norm() / contacts.across[c])
+    contacts.gain[c] = more * n + contacts.drag[c] - drag
+    return change

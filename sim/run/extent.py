@@ -1,0 +1,78 @@
+"""How far the action reaches, in space: what the camera frames, and the ground that it stands on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sim.bodies.obstacles import Obstacles
+from sim.bodies.planes import PlaneWall
+
+if TYPE_CHECKING:
+    from sim.cloth.model import PlacedSheet
+    from sim.fluid.inflow.emitters import Outlet
+    from sim.fluid.seeding.sources import Source
+    from sim.run.world import World
+
+LEVEL = 0.999
+"""Cosine of the angle between a normal and the vertical up to which a plane is a floor."""
+STEEP = 0.1
+"""Likewise, down to which something lands on a plane."""
+
+
+def action_bounds(sources: Sequence[Source | Outlet | PlacedSheet], obstacles: Obstacles) -> np.ndarray:
+    """Box around all that is placed [m], shape [2, 3]: fluid, cloth, bodies, and containers as high as those."""
+    boxes = [np.array(box) for box in obstacles.box_bounds()]
+    inner = [np.asarray(source.bounds) for source in sources]
+    inner += [item.bounds for item in obstacles.placed]
+    inner = inner or boxes or [np.array([[-1.0, 0.0, -1.0], [1.0, 1.0, 1.0]])]
+    top = max(box[1][1] for box in inner)
+    for box in boxes:
+        box[1][1] = min(box[1][1], max(top, box[0][1]))
+    everything = np.array(inner + boxes)
+    return np.array([everything[:, 0].min(axis=0), everything[:, 1].max(axis=0)])
+
+
+def filmed(world: World) -> dict[str, Any]:
+    """What pictures need to know before they are drawn: `extent`, the box around all that is placed and around where
+    it falls on planes (min, max [m]), and `ground`: the height of the level plane that nothing is below [m], and that
+    at which the middle of the thinnest cloth lies over it [m]; null where there is none."""
+    points = np.concatenate([world.bounds, *_landings(world)])
+    obstacles = world.obstacles
+    floors = [wall.offset for wall in obstacles.walls if wall.normal[1] > LEVEL and wall.body not in obstacles.boxes]
+    thinnest = min((placed.sheet.thickness for placed in world.sheets), default=None)
+    return {
+        "extent": {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()},
+        "ground": {
+            "height": max(floors, default=None),
+            "cloth": None if thinnest is None else thinnest / 2,
+        },
+    }
+
+
+def _landings(world: World) -> Iterator[np.ndarray]:
+    """Where what is free to fall meets the first plane under it [m]: the lower corners of its boxes."""
+    strength = float(np.linalg.norm(world.gravity))
+    if strength == 0.0:
+        return
+    boxes = [inflow.bounds for inflow in [*world.sources, *world.outlets]]
+    boxes += [placed.bounds for placed in world.sheets if not placed.held.any()]
+    boxes += [item.bounds for item in world.obstacles.dynamic.values()]
+    for box in boxes:
+        corners = np.stack(np.meshgrid(*np.transpose(box), indexing="ij"), axis=-1).reshape(8, 3)
+        yield from _under(corners, world.gravity / strength, world.obstacles.walls)
+
+
+def _under(points: np.ndarray, down: np.ndarray, walls: list[PlaneWall]) -> Iterator[np.ndarray]:
+    """Where each of the points falls on the first of the planes that it falls on, shape [1, 3] each."""
+    for point in points:
+        ways = [
+            (wall.offset - float(point @ wall.normal)) / float(down @ wall.normal)
+            for wall in walls
+            if float(down @ wall.normal) < -STEEP
+        ]
+        ways = [way for way in ways if way > 0.0]
+        if ways:
+            yield (point + min(ways) * down)[None]

@@ -1,0 +1,197 @@
+"""What a run leaves behind: frames, tables and the summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from common.files import FLUID_POINT, Table, write_mesh, write_points
+from sim.cloth.spec import Cloth
+from sim.geometry.solids import vertex_colors
+from sim.run.probes import COLUMNS as PROBE_COLUMNS
+from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.bodies.obstacles import Obstacle
+    from sim.fluid.system import Measure
+    from sim.run.world import World
+
+BODY_COLUMNS = ("frame", "time", "body", "x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
+STEP_COLUMNS = ("step", "time", "dt", "wall_s")
+FLUID_COLUMNS = (
+    "n_fluid",
+    "density_error_avg",
+    "density_error_max",
+    "v_max",
+    "kinetic_energy",
+    "potential_energy",
+)
+RIGID_COLUMNS = ("rigid_kinetic_energy", "rigid_potential_energy")
+CLOTH_COLUMNS = ("cloth_kinetic_energy", "cloth_potential_energy", "cloth_elastic_energy", "cloth_stretch")
+
+
+class Output:
+    """The files of a run in one folder; rows and frames of a step that is repeated are dropped.
+
+    `until`: the tables go on after what an earlier run left in the folder up to this time [s].
+    """
+
+    def __init__(self, folder: Path, spec: SimulationSpec, until: float | None = None):
+        folder.mkdir(parents=True, exist_ok=True)
+        self.folder = folder
+        self.has_fluid = spec.fluid is not None
+        self.bodies = Table(folder / "bodies.csv", BODY_COLUMNS, until)
+        self.steps = Table(
+            folder / "steps.csv",
+            STEP_COLUMNS + self._fluid_columns(spec) + self._rigid_columns(spec) + self._cloth_columns(spec),
+            until,
+        )
+        self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
+        self._meshes: set[str] = set()
+
+    def _fluid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        if spec.fluid is None:
+            self._statistics: tuple[str, ...] = ()
+            return ()
+        from sim.fluid import load_solver
+        from sim.fluid.forces.velocity_smoothing import viscosity_is_implicit
+        from sim.fluid.model import SLOWEST
+
+        self._statistics = load_solver(spec.fluid.solver).STATISTICS
+        if viscosity_is_implicit(spec.fluid, np.array(spec.gravity), SLOWEST * spec.fluid.spacing):
+            self._statistics += ("viscosity_iterations",)
+        return FLUID_COLUMNS + self._statistics
+
+    def _rigid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        self._contact_statistics: tuple[str, ...] = ()
+        if not spec.has_dynamic_bodies():
+            return ()
+        from sim.rigid.model import STATISTICS
+
+        self._contact_statistics = STATISTICS
+        return RIGID_COLUMNS + STATISTICS
+
+    def _cloth_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
+        self._cloth_statistics: tuple[str, ...] = ()
+        if "cloth" not in spec.materials():
+            return ()
+        from sim.cloth import load_integrator
+
+        self._cloth_statistics = load_integrator(
+            spec.cloth.integrator if spec.cloth else Cloth.model_fields["integrator"].default
+        ).STATISTICS
+        if "fluid" in spec.materials():
+            self._cloth_statistics += ("cloth_held_off",)
+        return CLOTH_COLUMNS + self._cloth_statistics
+
+    def step(
+        self,
+        step: int,
+        time: float,
+        dt: float,
+        wall: float,
+        world: World,
+        measure: Measure | None,
+        told: dict[str, float],
+    ) -> None:
+        """One row of steps.csv: energies in J, density errors as shares of the rest density; `told` by the solver."""
+        row = [step, time, dt, wall]
+        if measure is not None:
+            count = world.fluid.count
+            row += [
+                count,
+                measure.compression_sum / count if count else 0.0,
+                max(measure.density_max / world.spec.fluid.rest_density - 1.0, 0.0) if count else 0.0,
+                measure.v_max,
+                measure.kinetic_energy,
+                world.fluid.potential_energy(measure) if count else 0.0,
+            ]
+            row += [told.get(name, 0) for name in self._statistics]
+        if self._contact_statistics:
+            rigid = world.rigid.measure() if world.rigid else None
+            row += [rigid.kinetic_energy, rigid.potential_energy] if rigid else [0.0, 0.0]
+            row += [told.get(name, 0) for name in self._contact_statistics]
+        if self._cloth_statistics:
+            cloth = world.cloth.measure() if world.cloth else None
+            row += [cloth.kinetic_energy, cloth.potential_energy, cloth.elastic_energy] if cloth else [0.0] * 3
+            row += [cloth.stretch_max if cloth else 0.0]
+            row += [told.get(name, 0) for name in self._cloth_statistics]
+        self.steps.add(*row)
+
+    def frame(self, frame: int, time: float, world: World) -> None:
+        """Particles, bodies and cloth of one frame; the tables' rows up to it become final.
+
+        Where that fails or is interrupted, nothing of the frame stays.
+        """
+        names = ["fluid", *(f"cloth_{item.name}" for item in world.sheets)]
+        files = {name: self.folder / f"{name}_{frame:05d}.ply" for name in names}
+        for table in self._tables():
+            table.mark()
+        try:
+            self._frame(files, frame, time, world)
+        except BaseException:
+            for table in self._tables():
+                table.undo()
+            for file in files.values():
+                file.unlink(missing_ok=True)
+            raise
+
+    def _frame(self, files: dict[str, Path], frame: int, time: float, world: World) -> None:
+        if world.fluid is not None:
+            write_points(files["fluid"], fluid_points(world))
+        for item in world.sheets:
+            vertices, velocities = world.cloth.vertices(item.name)
+            write_mesh(files[f"cloth_{item.name}"], vertices, item.fabric.triangles, velocities=velocities)
+        for item in world.obstacles.placed:
+            self._mesh(item.name, "container" if item.hollow else "body", item)
+            if not item.hollow:
+                self.bodies.add(frame, time, item.name, *_body_state(item, time))
+        for name, (vertices, faces) in world.obstacles.box_surfaces().items():
+            if name not in self._meshes:
+                self._meshes.add(name)
+                write_mesh(self.folder / f"container_{name}.ply", vertices, faces)
+        for table in self._tables():
+            table.flush()
+
+    def drop_rows(self) -> None:
+        for table in self._tables():
+            table.drop()
+
+    def close(self) -> None:
+        for table in self._tables():
+            table.close()
+
+    def _tables(self) -> list[Table]:
+        return [self.bodies, self.steps] + ([self.probes] if self.probes else [])
+
+    def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
+        if name not in self._meshes:
+            self._meshes.add(name)
+            mesh = item.solid.mesh
+            centre = np.zeros(3) if item.hollow else item.centre
+            write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces, vertex_colors(mesh))
+
+
+def _body_state(item: Obstacle, time: float) -> list[float]:
+    """Centre of mass [m], rotation since it was placed (w, x, y, z), and the velocities [m/s] and [rad/s] of both."""
+    movement = item.movement(time)
+    if movement is None:
+        return [*item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+    centre = item.centre_at(time)
+    velocity = movement.velocity_at(centre)
+    return [*centre, *movement.quaternion(), *velocity, *movement.angular_velocity]
+
+
+def fluid_points(world: World) -> np.ndarray:
+    """The particles as FLUID_POINT records in the order of their identities, world coordinates."""
+    state = world.fluid.state()
+    points = np.empty(state.count, dtype=FLUID_POINT)
+    position = state.position[:, :3].astype(np.float64) + world.origin
+    for axis, name in enumerate("xyz"):
+        points[name] = position[:, axis]
+        points[f"v{name}"] = state.velocity[:, axis]
+    points["density"] = state.velocity[:, 3]
+    points["id"] = state.tag[:, 0]
+    return points[np.argsort(points["id"], kind="stable")]

@@ -1,0 +1,404 @@
+"""From frame to frame: time steps, events, retries, checkpoints."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from common.stopwatch import COMPILE, Stopwatch
+from scene.events import TIME_TOLERANCE, apply, events_between, spec_before
+from scene.settings import Refused
+from sim.device import runtime
+from sim.run.checkpoint import Checkpoint, Clock
+from sim.run.failure import (
+    FIXED_MARGIN,
+    MAX_RETRIES,
+    Fault,
+    Interrupted,
+    Stopped,
+    beyond_limit,
+    find_fault,
+    report,
+    short_step,
+)
+from sim.run.first_step import refuse_cloth_steps
+from sim.run.output import Output
+from sim.run.probes import Probes
+from sim.run.world import Counts, World
+from sim.spec import Event, SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.fluid.model import FluidState
+    from sim.fluid.system import Measure
+
+GROWTH = 1.1
+"""A step is at most this much longer than the one before: it falls at once and rises slowly."""
+RECOVERY = 2.0
+"""After a frame without a fault, a shortened step may be this much longer in the next frame."""
+ROUNDING = 1e-9
+"""Events that come in while a run steps are so long [s] after what is settled."""
+LONGEST_STEP = 1.0
+"""The step [s] where nothing limits it; frames and events cut it."""
+
+
+class Run:
+    """A simulation, frame by frame; `spec` holds the events up to its end.
+
+    Raises Refused for a scene that can not be built.
+    """
+
+    def __init__(
+        self,
+        spec: SimulationSpec,
+        folder: Path,
+        *,
+        threads: int | None = None,
+        arch: str = "auto",
+        warn: Callable[[str], None] = print,
+    ):
+        self.spec = spec
+        self.folder = folder
+        self.threads = threads
+        self.arch = arch
+        self.warn = warn
+        self.device = "none"
+        self.clock = Clock()
+        self.counts = Counts()
+        self.probes = Probes(spec)
+        self.stopwatch = Stopwatch()
+        self.measure: Measure | None = None
+        self.good: Checkpoint | None = None
+        """The state after the last frame that was written."""
+        self._mended: set[str] = set()
+        self.warnings: list[str] = []
+        """What was said of what is, or was done, other than was asked for."""
+        self.untangled: dict[str, str] = {}
+        """What was said of sheets that do not begin where they are placed."""
+        self.stop_requested = False
+        """Set from outside to end the run between two steps."""
+        self.before_step: Callable[[], None] = lambda: None
+        """Called before every step; may end the run by an exception, or bring in an event."""
+        self._repeated = False
+        self._open_from = 0.0
+        """The earliest time [s] of this frame at which an event would not have changed the steps taken until now."""
+        self.steps_taken = 0
+        self.particle_steps = 0
+        with self.stopwatch.phase("build"):
+            self.world = World(spec_before(spec, 0.0), folder)
+
+    def start(self) -> None:
+        """Make the particles of the start."""
+        state = None
+        if self.spec.fluid is not None:
+            from sim.fluid.model import FluidState
+
+            self.world.untangle(0.0)
+            with self.stopwatch.phase("build"):
+                state = self._pour(FluidState(), list(self.spec.fluid.bodies))
+        self._build(state, {}, going_on=False)
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Go on from a checkpoint, byte for byte as the run that made it."""
+        self.good = checkpoint
+        self.clock = Clock(**asdict(checkpoint.clock))
+        self.counts = Counts(**checkpoint.counts)
+        self.probes = Probes(self.spec, checkpoint.probe_times, checkpoint.probe_means)
+        with self.stopwatch.phase("build"):
+            self.world = World(
+                spec_before(self.spec, self.clock.time),
+                self.folder,
+                checkpoint.origin,
+                checkpoint.rigid,
+                checkpoint.cloth,
+            )
+        self._build(checkpoint.fluid, checkpoint.emission, going_on=True)
+
+    @property
+    def untouched(self) -> bool:
+        """Whether no step of the frame was taken yet."""
+        return self.clock.time < self.clock.frame / self.spec.fps + TIME_TOLERANCE
+
+    def earliest(self) -> float:
+        """The earliest time [s] at which an event can come in without a change of the steps taken until now, so that a
+        run that knows of it from the start takes the same ones: at most two steps from now, or the end of the frame.
+
+        Between two steps only.
+        """
+        end = (self.clock.frame + 1) / self.spec.fps
+        if self._open_from == math.inf:
+            return end
+        ahead = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
+        at = min([self._open_from, *ahead])
+        return at if at < end - 0.5 * self._last_step else end
+
+    def bring_in(self, event: Event) -> None:
+        """Add an event, which is not to happen before `earliest`."""
+        events = sorted([*self.spec.events, event], key=lambda event: event.at)
+        self.spec = self.spec.model_copy(update={"events": tuple(events)})
+
+    @property
+    def _last_step(self) -> float:
+        return self.clock.last_step * self.clock.step_scale
+
+    def checkpoint(self) -> Checkpoint:
+        """The state between two steps."""
+        return Checkpoint(
+            clock=Clock(**asdict(self.clock)),
+            counts=asdict(self.counts),
+            probe_times=dict(self.probes.due),
+            probe_means={name: replace(values) for name, values in self.probes.gathered.items()},
+            emission=self._emission(),
+            origin=self.world.origin,
+            fluid=self.world.fluid.state() if self.world.fluid else None,
+            rigid=self.world.rigid.state() if self.world.rigid else None,
+            cloth=self.world.cloth.state() if self.world.cloth else None,
+        )
+
+    def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> None:
+        """Simulate up to frame `last`, write every frame, call `done` after each.
+
+        `write_first`: write the present frame too. Raises Stopped where a frame fails in spite of
+        retries, and Interrupted; all frames written until then are good, and `good` is the state after them.
+        """
+        if write_first:
+            self._sample(output)
+            self._write(output)
+            done()
+        while self.clock.frame < last:
+            try:
+                self._frame(self.good, output)
+            except Refused as refused:
+                output.drop_rows()
+                fault = Fault(str(refused.args[0]), refused.remedy or "change the event")
+                raise Stopped(report(self, fault, self.good.clock, 0)) from refused
+            self._write(output)
+            done()
+
+    def _frame(self, good: Checkpoint, output: Output) -> None:
+        """Simulate one frame, again with half the step where a fault is found."""
+        taken, cause = self.steps_taken, None
+        for retry in range(MAX_RETRIES + 1):
+            fault = self._try_frame(output, retry)
+            if fault is None:
+                if retry == 0:
+                    self.clock.step_scale = min(1.0, good.clock.step_scale * RECOVERY)
+                return
+            output.drop_rows()
+            repeated = self.counts.steps_repeated + self.steps_taken - taken
+            self.steps_taken = taken
+            cause = fault if fault.repeatable or cause is None else cause
+            if retry == MAX_RETRIES or not fault.repeatable:
+                self.counts.steps_repeated = repeated
+                raise Stopped(report(self, cause, good.clock, retry))
+            retries = self.counts.retries + 1
+            self.resume(good)
+            self.counts.retries, self.counts.steps_repeated = retries, repeated
+            self.clock.step_scale = good.clock.step_scale * 0.5 ** (retry + 1)
+            self.warn(f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step")
+        raise AssertionError("unreachable")
+
+    def _try_frame(self, output: Output, retry: int) -> Fault | None:
+        """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
+        self._count_fallen(self.world.begin_frame())
+        since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
+        # An event that comes in while a frame is repeated would have been met by what was tried before.
+        self._repeated = retry > 0
+        self._open_from = math.inf if self._repeated else since
+        while True:
+            self.before_step()
+            upcoming = events_between(self.spec, since, end)
+            until = upcoming[0][0] if upcoming else end
+            if self.clock.time < until - TIME_TOLERANCE:
+                fault = self._step(until, output)
+                if fault is not None:
+                    return fault
+            elif upcoming:
+                self._apply_events(upcoming[0][1])
+                since = until + 2 * TIME_TOLERANCE
+                # Sooner than after a step like the last one, the next step would be next to nothing.
+                self._open_from = max(self._open_from, until + self._last_step) if self._last_step else math.inf
+            else:
+                self.clock.frame += 1
+                return None
+
+    def _count_fallen(self, number: int) -> None:
+        """Count particles that were taken out since they had fallen out of the scene, and tell of the first."""
+        if number and not self.counts.particles_fallen:
+            self.tell(
+                f"fluid falls out of the scene: particles {self.world.depth:.3g} m below everything are taken out "
+                "(particles_fallen in summary.json tells how many); a floor would keep them"
+            )
+        self.counts.particles_fallen += number
+
+    def _step(self, until: float, output: Output) -> Fault | None:
+        """One step, no further than to the time `until` [s], which is met exactly."""
+        if self.stop_requested:
+            output.drop_rows()
+            raise Interrupted
+        limit = self.world.step_limit(self.measure)
+        fault = short_step(self.world, self.measure, limit * self.clock.step_scale, self.spec.fps)
+        if fault is not None:
+            return fault
+        start = time.perf_counter()
+        target = self._target(until)
+        rest = target - self.clock.time
+        wanted = self._wanted_step(limit)
+        even, longest = self.world.spec.step.fixed is None, wanted * self.clock.step_scale
+        dt = _fit(longest, rest, even=even)
+        settled = self._open_from if self._open_from < math.inf or self._repeated else 0.0
+        self._open_from = max(settled, self.clock.time + (2 if even else 1) * longest + ROUNDING)
+        after = target if dt == rest else self.clock.time + dt
+        with self.stopwatch.phase("stepping"):
+            told = self.world.advance(dt, after)
+            self.measure = self.world.measure()
+        self.clock.time = after
+        self.clock.last_step = wanted
+        self.clock.step += 1
+        wall = time.perf_counter() - start
+        fault = find_fault(self.world, self.measure, dt)
+        if fault is not None:
+            return fault
+        self.steps_taken += 1
+        self.particle_steps += self.world.fluid.count if self.world.fluid else 0
+        self._count(told)
+        output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
+        self._sample(output)
+        return None
+
+    def _count(self, told: dict[str, float]) -> None:
+        self.counts.steps_capped += int(told.get("capped", 0) > 0)
+        self.counts.pressure_capped += int(told.get("capped", 0) > told.get("viscosity_capped", 0))
+        self.counts.viscosity_capped += int(told.get("viscosity_capped", 0) > 0)
+        self.counts.particles_held_off += int(told.get("held_off", 0))
+        self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
+        self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
+        self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
+
+    def _target(self, until: float) -> float:
+        """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
+        keyframe = self.world.next_keyframe(self.clock.time)
+        return keyframe if keyframe < until - TIME_TOLERANCE else until
+
+    def _wanted_step(self, limit: float) -> float:
+        """The step [s] before the end of a frame cuts it; `limit` [s] is the largest stable one."""
+        step = self.world.spec.step
+        if step.fixed is not None:
+            return step.fixed
+        limits = [limit, LONGEST_STEP]
+        if step.maximum is not None:
+            limits.append(step.maximum)
+        if self.clock.last_step > 0:
+            limits.append(GROWTH * self.clock.last_step)
+        return min(limits)
+
+    def _apply_events(self, events: list[Event]) -> None:
+        """Build the world anew as events that happen now want it, with the particles there are."""
+        spec = self.world.spec
+        for event in events:
+            spec = apply(spec, event, self.spec.events.index(event))
+        state = self.world.fluid.state() if self.world.fluid else None
+        emission, names = self._emission(), self._body_names()
+        self.world.release(spec)
+        # Contacts are numbered by the bodies there are, which may change.
+        rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
+        cloth = self.world.cloth.state().without_contacts() if self.world.cloth else None
+        with self.stopwatch.phase("build"):
+            self.world = World(spec, self.folder, self.world.origin, rigid, cloth)
+            for event in events if state is not None else ():
+                for name in event.remove:
+                    if name in names:
+                        before = state.count
+                        state = state.without_body(names.index(name))
+                        self.counts.particles_removed_by_events += before - state.count
+                state = self._pour(state, list(event.add.fluid))
+        self._build(state, emission, going_on=False)
+
+    def _emission(self) -> dict[str, Any]:
+        """What emitters have sent."""
+        return self.world.flow.ledger.state() if self.world.flow else self.world.emission
+
+    def _body_names(self) -> list[str]:
+        """Fluid bodies in the order in which they are numbered: those of the start, then of the events."""
+        names = list(self.spec.fluid.bodies) if self.spec.fluid else []
+        return names + [name for event in self.spec.events for name in event.add.fluid]
+
+    def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
+        if not bodies:
+            return state
+        state = self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time)
+        for text in self.world.warnings():
+            self.tell(text)
+        return state
+
+    def tell(self, text: str) -> None:
+        """Warn of something once, and keep it for the summary."""
+        if text not in self.warnings:
+            self.warnings.append(text)
+            self.warn(text)
+
+    def _tell_mended(self) -> None:
+        """Warn once of every mesh that is not what its file holds."""
+        for item in self.world.obstacles.placed:
+            if item.name not in self._mended and item.solid.report is not None and item.solid.report.lines():
+                self._mended.add(item.name)
+                self.warn(f"{item.name}: the mesh was mended: {'; '.join(item.solid.report.lines())}")
+
+    def _tell_overlaps(self) -> None:
+        """Warn of bodies that begin inside each other: they are moved apart, which may look like a blow."""
+        for one, other, depth in self.world.rigid.overlaps() if self.world.rigid else []:
+            self.tell(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
+
+    def _tell_untangled(self) -> None:
+        """Warn of cloth that does not begin where it is placed."""
+        for item in self.world.untangled or []:
+            self.untangled[item.sheet] = item.line()
+            self.warn(item.line())
+
+    def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
+        self._tell_mended()
+        if state is not None or self.world.obstacles.dynamic or self.world.sheets:
+            with self.stopwatch.phase(COMPILE):
+                self.device = runtime.start(threads=self.threads, arch=self.arch)
+        with self.stopwatch.phase("build"):
+            self.world.build(state, emission, self.counts, self.tell, self.clock.time, going_on=going_on)
+            self.measure = self.world.measure()
+        if not going_on:
+            self._tell_overlaps()
+            self._tell_untangled()
+        self._refuse()
+
+    def _refuse(self) -> None:
+        fault = find_fault(self.world, self.measure, 0.0)
+        if fault is not None:
+            raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
+        if self.world.cloth:
+            refuse_cloth_steps(self.world.spec, getattr(self.world.cloth.integrator, "stable", math.inf))
+        short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
+        if short is not None:
+            raise Refused(short.what, remedy=short.remedy)
+        fixed = self.world.spec.step.fixed
+        limit = self.world.step_limit(self.measure) * FIXED_MARGIN
+        if fixed is not None and fixed > limit:
+            raise beyond_limit(fixed, limit)
+
+    def _sample(self, output: Output) -> None:
+        if output.probes is not None:
+            with self.stopwatch.phase("probes"):
+                for row in self.probes.sample(self.world, self.clock.time):
+                    output.probes.add(*row)
+
+    def _write(self, output: Output) -> None:
+        with self.stopwatch.phase("output"):
+            output.frame(self.clock.frame, self.clock.time, self.world)
+            self.good = self.checkpoint()
+
+
+def _fit(step: float, rest: float, *, even: bool) -> float:
+    """The step that lands on the end of `rest` [s]; `even` shares the last two steps out evenly."""
+    if step >= rest:
+        return rest
+    return rest / 2 if even and 2 * step > rest else step

@@ -1,0 +1,89 @@
+"""Whether scenes give the same results here and in an earlier version, to the byte.
+
+python tests/benchmarks/same_bytes.py REVISION [scenes/tiny/splash.yaml ...]
+
+Without scenes it takes those of scenes/tiny, and of each the first --frames. The earlier version is checked out beside
+this one, and runs with the same packages. Compared are particles, meshes and tables, and the arrays of states; what
+tells how long something took is left out. Exit 1 where something differs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import hashlib
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+LEFT_OUT = {"summary.json"}
+TIMES = "wall_s"
+
+
+def results(tree: Path, scene: Path, options: argparse.Namespace) -> dict[str, str]:
+    """Digests of what a scene gives by the sources in `tree`, by file, and by array of a state."""
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name)
+        command = [sys.executable, "-m", "sim", "run", scene, "--out", out, "--quiet", "--arch", "cpu"]
+        command += ["--quality", options.quality, "--threads", options.threads]
+        command += ["--frames", f"0:{options.frames}"] if options.frames else []
+        given = os.environ | {"PYTHONPATH": str(tree)}
+        done = subprocess.run(list(map(str, command)), cwd=tree, env=given, capture_output=True, text=True, check=False)
+        if done.returncode:
+            sys.exit(f"{scene} in {tree}: exit {done.returncode}\n{done.stderr}")
+        found = {}
+        for path in sorted(out.iterdir()):
+            if path.name not in LEFT_OUT:
+                found |= {f"{path.name}{part}": digest(content) for part, content in contents(path)}
+        return found
+
+
+def contents(path: Path) -> list[tuple[str, bytes]]:
+    """What counts in a file: name of the part, or nothing for the whole, and its bytes."""
+    if path.suffix == ".npz":
+        with np.load(path) as arrays:
+            return [(f":{name}", arrays[name].tobytes()) for name in arrays.files if arrays[name].dtype.kind in "fiub"]
+    if path.suffix == ".csv":
+        with path.open(newline="") as file:
+            rows = [{key: value for key, value in row.items() if key != TIMES} for row in csv.DictReader(file)]
+        return [("", repr(rows).encode())]
+    return [("", path.read_bytes())]
+
+
+def digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("revision", help="of git, to compare with")
+    parser.add_argument("scenes", nargs="*", type=Path, default=sorted((ROOT / "scenes" / "tiny").glob("*.yaml")))
+    parser.add_argument("--quality", default="draft")
+    parser.add_argument("--frames", type=int, help="the last one (default: all)")
+    parser.add_argument("--threads", type=int, default=2)
+    options = parser.parse_args()
+    differing = 0
+    with tempfile.TemporaryDirectory() as name:
+        before = Path(name) / "before"
+        subprocess.run(
+            ["git", "worktree", "add", "--quiet", "--detach", before, options.revision], cwd=ROOT, check=True
+        )
+        try:
+            for scene in options.scenes:
+                scene = scene.resolve().relative_to(ROOT)
+                old, new = results(before, scene, options), results(ROOT, scene, options)
+                wrong = sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))
+                differing += bool(wrong)
+                print(f"{scene}: {f'differs in {wrong}' if wrong else f'{len(new)} the same'}", flush=True)
+        finally:
+            subprocess.run(["git", "worktree", "remove", "--force", before], cwd=ROOT, check=True)
+    return 1 if differing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
