@@ -6,7 +6,7 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 from workflow.catalog import Catalog
-from workflow.memory import estimate
+from workflow.plan.memory import estimate
 
 min_version("9.0")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import tempfile
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
+from common.files import write_json
 from common.manifest import spoiled
 from common.signals import at_once
 from render.errors import RenderError, Unusable
@@ -78,12 +78,12 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     )
     with Progress(len(job.frames())) as progress:
         if spec.blender is not None:
-            from render.installed import render_installed
+            from render.blender.installed import render_installed
 
             summary = render_installed(spec.blender, job, scratch, progress.report)
         else:
             before = time.perf_counter()
-            from render.work import carry_out
+            from render.blender.work import carry_out
 
             imported = time.perf_counter() - before
             with at_once():
@@ -92,7 +92,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     summary["wall_s"]["total"] = time.perf_counter() - start
     for warning in summary["warnings"]:
         print(f"render: warning: {warning}", file=sys.stderr)
-    _write_json(out / "summary.json", {"status": "done", **summary})
+    write_json(out / "summary.json", {"status": "done", **summary})
 
 
 def _refuse_spoiled(options: argparse.Namespace, frames: range) -> None:
@@ -136,15 +136,6 @@ def _make_folder(name: str) -> Path:
     if not os.access(path, os.W_OK):
         raise RenderError(f"the folder {path} can not be written")
     return path
-
-
-def _write_json(path: Path, data: dict[str, Any]) -> None:
-    part = path.with_name(f".{path.name}.part")
-    try:
-        part.write_text(json.dumps(data, indent=2) + "\n")
-        part.replace(path)
-    except OSError as error:
-        raise RenderError(f"can not write {path}: {error.strerror}") from error
 
 
 def _print_tail(log: Path, count: int = 20) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from render.axes import Quaternion, Vector, z_up, z_up_quaternion
+from render.content.axes import Quaternion, Vector, z_up, z_up_quaternion
 from render.errors import Unusable
 
 

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from render.blender import bpy
+from render.blender.session import bpy
 from render.errors import Unusable
 
 

@@ -25,8 +25,8 @@ from scene.wedge import MARK, Combination, combinations
 from sim.foam.spec import FoamSpec
 from sim.geometry.spec import MeshSurface
 from sim.spec import SimulationSpec
-from workflow.film_spec import FilmSpec
-from workflow.surface_spec import SurfaceSpec
+from workflow.stages.film.spec import FilmSpec
+from workflow.stages.surface.spec import SurfaceSpec
 
 BUDGET, ACCURACY = "budget", "accuracy"
 """The quality of scenes whose settings were chosen for a time, and for an error."""

@@ -90,7 +90,7 @@ def _check(options: argparse.Namespace) -> int:
     from scene.load import combination_of, load
     from scene.presets import QUALITIES
     from sim.checks.preview import preview
-    from workflow.foreseen import cautions, refuse_panorama
+    from workflow.plan.foreseen import cautions, refuse_panorama
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
@@ -119,7 +119,7 @@ def _explain(options: argparse.Namespace) -> int:
     from scene.load import load
     from sim.checks.explain import explain
     from workflow.budget.pilot import PilotFailed
-    from workflow.costs import costs, measured
+    from workflow.plan.costs import costs, measured
 
     try:
         scene = load(options.scene, quality=options.quality, overrides=options.set)

@@ -109,7 +109,7 @@ def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float)
             if run.good
             else "make room or mend it, and start again",
         )
-        status, failure = STOPPED, report(run, fault, run.good.clock if run.good else None, 0)
+        status, failure = STOPPED, report(run.world, run.clock, fault, run.good.clock if run.good else None, 0)
     finally:
         progress.close()
         output.close()

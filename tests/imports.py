@@ -23,13 +23,17 @@ def modules() -> dict[str, Path]:
 
 
 @cache
-def imports(module: str) -> frozenset[str]:
-    """Names of all that a module imports, of the project or not: modules, and of packages what is taken from them."""
-    return frozenset(_imported(ast.parse(modules()[module].read_text())))
+def imports(module: str, *, types: bool = True) -> frozenset[str]:
+    """Names of all that a module imports, of the project or not; without `types`, not what only annotations need."""
+    return frozenset(_imported(ast.parse(modules()[module].read_text()), types))
 
 
-def _imported(tree: ast.AST) -> Iterator[str]:
+def _imported(tree: ast.AST, types: bool) -> Iterator[str]:
+    annotations = [node for node in ast.walk(tree) if isinstance(node, ast.If) and _is_for_types(node)]
+    skipped = set() if types else {id(part) for node in annotations for part in ast.walk(node)}
     for node in ast.walk(tree):
+        if id(node) in skipped:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -37,6 +41,12 @@ def _imported(tree: ast.AST) -> Iterator[str]:
             yield from (member if member in modules() else node.module for member in members)
 
 
-def graph() -> dict[str, set[str]]:
+def _is_for_types(node: ast.If) -> bool:
+    return isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
+def graph(*, types: bool = True) -> dict[str, set[str]]:
     """The modules of the project that each imports."""
-    return {module: {name for name in imports(module) if name in modules()} - {module} for module in modules()}
+    return {
+        module: {name for name in imports(module, types=types) if name in modules()} - {module} for module in modules()
+    }

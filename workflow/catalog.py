@@ -15,10 +15,10 @@ from scene.load import Scene, combination_of, load
 from scene.presets import QUALITIES
 from scene.settings import Refused
 from scene.wedge import MARK, Combination, split
-from workflow.aims import AIMS, Aim, aim_of
-from workflow.lookup import JobLookup, stop
-from workflow.plan import RESULTS, Digests, Job, Plan
-from workflow.shelf import SCENE_FILES, STUDY_FILES, Shelf
+from workflow.plan.aims import AIMS, Aim, aim_of
+from workflow.plan.jobs import RESULTS, Digests, Job, Plan
+from workflow.plan.lookup import JobLookup, stop
+from workflow.plan.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.plan import wedge_job
 
 CONFIG_KEYS = ("quality", "keep", *(aim.key for aim in AIMS))

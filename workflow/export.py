@@ -22,10 +22,10 @@ from scene.document import SceneError
 from scene.load import load
 from scene.presets import QUALITIES
 from scene.settings import Refused
-from workflow import tables
-from workflow.plan import Plan
-from workflow.shelf import SCENE_FILES
-from workflow.stage import frames
+from workflow.plan.jobs import Plan
+from workflow.plan.shelf import SCENE_FILES
+from workflow.stages.film import tables
+from workflow.stages.stage import frames
 
 
 def gather(parts: list[Path], folder: Path) -> Path:

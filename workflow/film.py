@@ -21,10 +21,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 from common.command import end_with
+from common.files import write_json, write_whole
+from common.stopwatch import Stopwatch
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
-from workflow.film_spec import FilmJobSpec
-from workflow.stage import Stopwatch, exit_code, refuse_spoiled, write_json, write_whole
+from workflow.stages.film.spec import FilmJobSpec
+from workflow.stages.stage import exit_code, refuse_spoiled
 
 
 def run(
@@ -41,9 +43,9 @@ def run(
     film = spec.film
     title = spec.name.rpartition("/")[2]
     with watch.phase("import"):
-        from workflow import plots, summaries, tables
-        from workflow.contact_sheet import contact_sheet
-        from workflow.encode import EncoderFailed, encode
+        from workflow.stages.film import plots, summaries, tables
+        from workflow.stages.film.contact_sheet import contact_sheet
+        from workflow.stages.film.encode import EncoderFailed, encode
     with watch.phase("check"):
         refuse_spoiled(blocks, "", frames=range(spec.last_frame + 1))
         refuse_spoiled(simulation, *tables.TABLES, "summary.json")

@@ -22,15 +22,17 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
+from common.files import write_json
 from common.signals import at_once
+from common.stopwatch import Stopwatch
 from render.progress import Progress
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
 from sim.foam.spec import FoamJobSpec
-from workflow import stage
-from workflow.bodies import Bodies
-from workflow.stage import Stopwatch, exit_code, write_json
-from workflow.timeline import Frames
+from workflow.plan.timeline import Frames
+from workflow.stages import stage
+from workflow.stages.bodies import Bodies
+from workflow.stages.stage import exit_code
 
 KINDS = ("spray", "foam", "bubbles")
 
@@ -57,7 +59,7 @@ def run(
 
         device = runtime.start(threads=threads, arch=arch)
 
-        from common.files import write_points
+        from common.ply import write_points
         from sim.foam.particles import FOAM_POINT, next_frame
     needed = range(frames.first - 1, frames.last + 1)
     with watch.phase("load"):
@@ -106,7 +108,7 @@ def _points(folders: Sequence[Path], name: str, wanted: Sequence[str]) -> Any:
     """The records of a file in the first of the folders that has it; raises Refused."""
     import numpy as np
 
-    from workflow.ply import BadPly, columns, read_points
+    from common.ply import BadPly, columns, read_points
 
     path = next((folder / name for folder in folders if (folder / name).exists()), None)
     if path is None:

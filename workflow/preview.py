@@ -21,18 +21,18 @@ from typing import Any
 import numpy as np
 
 from common.command import end_with
-from render.axes import z_up, z_up_columns
+from common.ply import BadPly, columns, read_points
+from render.content.axes import z_up, z_up_columns
+from render.content.framing import View, view_of
+from render.content.ply import read_mesh
 from render.errors import RenderError, Unusable
-from render.framing import View, view_of
 from render.inputs import Inputs
-from render.ply import read_mesh
 from scene.document import SceneError
 from scene.load import Scene, load
 from scene.presets import QUALITIES
 from scene.settings import Refused
-from workflow.plan import Plan
-from workflow.ply import BadPly, columns, read_points
-from workflow.shelf import SCENE_FILES
+from workflow.plan.jobs import Plan
+from workflow.plan.shelf import SCENE_FILES
 
 WATER, FOAM, CLOTH, CONTAINER = "#3f8fb5", "#f3f7f9", "#b23a48", "#8a949b"
 BODIES = ("#e4572e", "#f3a712", "#669bbc", "#a8c686", "#8d6a9f")

@@ -22,13 +22,15 @@ from importlib.metadata import version
 from pathlib import Path
 
 from common.command import end_with
+from common.files import write_json, write_whole
 from common.signals import at_once
+from common.stopwatch import Stopwatch
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
-from workflow import stage
-from workflow.stage import Stopwatch, exit_code, write_json, write_whole
-from workflow.surface_spec import ReconstructSpec
-from workflow.timeline import Frames
+from workflow.plan.timeline import Frames
+from workflow.stages import stage
+from workflow.stages.stage import exit_code
+from workflow.stages.surface.spec import ReconstructSpec
 
 
 def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, threads: int = 1) -> None:
@@ -38,8 +40,8 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         os.environ["RAYON_NUM_THREADS"] = str(threads)
         import numpy as np
 
-        from workflow.ply import BadPly, columns, read_points, write_surface
-        from workflow.surface import reconstruct
+        from common.ply import BadPly, columns, read_points, write_surface
+        from workflow.stages.surface.surface import reconstruct
     out.mkdir(parents=True, exist_ok=True)
     with watch.phase("load"):
         stage.refuse_spoiled([simulation], "fluid_", frames=frames)

@@ -25,8 +25,8 @@ from scene.document import SceneError
 from scene.load import load
 from scene.presets import QUALITIES
 from scene.settings import Refused
-from workflow.plan import Job, Plan
-from workflow.shelf import SCENE_FILES
+from workflow.plan.jobs import Job, Plan
+from workflow.plan.shelf import SCENE_FILES
 
 if TYPE_CHECKING:
     from rich.console import Console

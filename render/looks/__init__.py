@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from render.content.nodes import Graph
 from render.looks import cloth, glass, matte, metal, plastic, stone, water
-from render.nodes import Graph
 
 LOOKS: dict[str, Callable[[Graph, Any, float], tuple[Any, Any]]] = {
     "water": water.build,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from render.content.nodes import Graph, rgba
 from render.looks.refraction import clear
-from render.nodes import Graph, rgba
 
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:

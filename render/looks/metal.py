@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from render.nodes import Graph, rgba
+from render.content.nodes import Graph, rgba
 
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from render.nodes import Graph
+from render.content.nodes import Graph
 
 
 def clear(graph: Graph, color: tuple[float, ...], roughness: float, ior: float) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from render.nodes import Graph, rgba
+from render.content.nodes import Graph, rgba
 
 STAINS = 0.2
 """Size of a stain over the body's diagonal, unless set."""

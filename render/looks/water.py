@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from render.content.nodes import Graph, rgba
 from render.looks.refraction import clear
-from render.nodes import Graph, rgba
 
 CLARITY = 0.4
 """Of the action's diagonal: the way after which white light has the water's colour, unless set."""

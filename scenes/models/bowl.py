@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from common.files import write_mesh
+from common.ply import write_mesh
 
 FOLDER = Path(__file__).parent
 THICKNESS = 0.056

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pysplashsurf
 
-from common.files import write_mesh
+from common.ply import write_mesh
 
 FILE = Path(__file__).with_name("duck.ply")
 CELLS = 27

@@ -18,9 +18,9 @@ from sim.geometry.spec import Placement, Plane
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.bodies.dynamic import Dynamic
     from sim.bodies.movement import Movement
     from sim.bodies.prescribed import Prescribed
-    from sim.rigid.dynamics.dynamic import Dynamic
     from sim.rigid.spec import RigidBody
 
 
@@ -160,8 +160,8 @@ def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
 
 
 def _dynamic(body: RigidBody, solid: Solid, location: tuple[str, ...]) -> Dynamic:
+    from sim.bodies.dynamic import Dynamic
     from sim.bodies.movement import Movement
-    from sim.rigid.dynamics.dynamic import Dynamic
 
     try:
         mass = solid.mass_properties(body.density)

@@ -10,7 +10,7 @@ import numpy as np
 
 from scene.events import spec_at
 from scene.settings import Caution, Refused
-from sim.checks.overlaps import overlaps
+from sim.bodies.overlaps import overlaps
 from sim.checks.probe_places import idle_probes
 from sim.run.first_step import refuse_jumps, refuse_steps
 from sim.run.world import Counts, World

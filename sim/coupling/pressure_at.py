@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from sim.fluid.kernel import cubic_host
-
-if TYPE_CHECKING:
-    from sim.run.probes import FluidView
+from sim.fluid.system import FluidSystem
 
 MATERIALS = ("fluid",)
 """Of a scene, for this to be loaded."""
@@ -20,18 +18,28 @@ FLATTEST = 0.02
 """Of the second moments of their places, the least over the greatest."""
 
 
-def pressure_at(view: FluidView, at: np.ndarray) -> float:
-    """Pressure [Pa] at a point `at` [m], shape [3]: of the linear field that fits those of the particles around best
-    (moving least squares, Lancaster & Salkauskas 1981); 0 in air.
+class View(Protocol):
+    """Particles on the host, in world coordinates: support radius [m], mass [kg], points [m], shape [n, 3], densities
+    [kg/m^3] and pressures [Pa], shape [n]."""
+
+    h: float
+    mass: float
+    points: np.ndarray
+    density: np.ndarray
+    pressure: np.ndarray
+
+
+def pressure_at(view: View, system: FluidSystem, origin: np.ndarray, at: np.ndarray) -> float:
+    """Pressure [Pa] at a point `at` [m], shape [3], in a system whose coordinates start at `origin` [m]: of the linear
+    field that fits those of the particles around best (moving least squares, Lancaster & Salkauskas 1981); 0 in air.
 
     It is right next to a solid, too, where there are particles on one side only. What is behind the solid does not
     count; few particles, or such that lie in a plane, give their mean (Shepard 1968).
     """
     away = view.points - at
     near = np.linalg.norm(away, axis=1) < view.h
-    system = view.world.fluid.system
     if near.any() and system.boundary.shapes.count:
-        faces = system.boundary.around(at[None] - view.world.origin)
+        faces = system.boundary.around(at[None] - origin)
         listed = slice(faces.begin.to_numpy()[0], faces.begin.to_numpy()[0] + faces.size.to_numpy()[0])
         found = faces.face.to_numpy()[listed].astype(np.float64)
         near &= np.all(away @ found[:, :3].T + found[:, 3] > 0, axis=1)

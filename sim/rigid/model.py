@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from sim.bodies.movement import Movement
-from sim.checks.overlaps import DEEP
+from sim.bodies.overlaps import DEEP
 from sim.device.double import vec3
 from sim.geometry.distance.sdf import PLANE
 from sim.neighbors.sweep_and_prune import near_pairs, near_planes

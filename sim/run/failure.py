@@ -13,7 +13,6 @@ from sim.run.checkpoint import state_name
 if TYPE_CHECKING:
     from sim.fluid.system import Measure
     from sim.run.checkpoint import Clock
-    from sim.run.stepping import Run
     from sim.run.world import World
 
 MAX_RETRIES = 4
@@ -152,17 +151,17 @@ def short_step(world: World, measure: Measure | None, limit: float, fps: float) 
     )
 
 
-def report(run: Run, fault: Fault, good: Clock | None, retries: int) -> dict[str, Any]:
+def report(world: World, clock: Clock, fault: Fault, good: Clock | None, retries: int) -> dict[str, Any]:
     """Contents of failure.json: what, when, which particles, the last good state, and what to change.
 
     `good` is None where not even the first frame could be written.
     """
     return {
         "detected": fault.what,
-        "step": run.clock.step,
-        "time": run.clock.time,
+        "step": clock.step,
+        "time": clock.time,
         "retries": retries,
-        "particles": _suspects(run.world) if run.world.fluid else [],
+        "particles": _suspects(world) if world.fluid else [],
         "last_good_frame": good.frame if good else None,
         "last_good_state": state_name(good.frame) if good else None,
         "change": fault.remedy,

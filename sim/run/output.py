@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from common.files import FLUID_POINT, Table, write_mesh, write_points
+from common.ply import FLUID_POINT, write_mesh, write_points
 from sim.cloth.spec import Cloth
 from sim.geometry.solids import vertex_colors
 from sim.run.probes import COLUMNS as PROBE_COLUMNS
+from sim.run.table import Table
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:

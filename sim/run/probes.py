@@ -88,7 +88,13 @@ class FluidView:
             case Pressure():
                 from sim.coupling.pressure_at import pressure_at
 
-                return [("pressure", pressure_at(self, np.array(probe.at)), "Pa")]
+                return [
+                    (
+                        "pressure",
+                        pressure_at(self, self.world.fluid.system, self.world.origin, np.array(probe.at)),
+                        "Pa",
+                    )
+                ]
             case Front():
                 return [("front", self.front(probe.axis), "m")]
             case Volume():

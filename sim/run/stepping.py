@@ -9,10 +9,10 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from common.stopwatch import COMPILE, Stopwatch
+from common.stopwatch import Stopwatch
 from scene.events import TIME_TOLERANCE, apply, events_between, spec_before
 from scene.settings import Refused
-from sim.device import runtime
+from sim.device import compilation, runtime
 from sim.run.checkpoint import Checkpoint, Clock
 from sim.run.failure import (
     FIXED_MARGIN,
@@ -69,7 +69,7 @@ class Run:
         self.clock = Clock()
         self.counts = Counts()
         self.probes = Probes(spec)
-        self.stopwatch = Stopwatch()
+        self.stopwatch = Stopwatch(compile=compilation.seconds)
         self.measure: Measure | None = None
         self.good: Checkpoint | None = None
         """The state after the last frame that was written."""
@@ -174,7 +174,7 @@ class Run:
             except Refused as refused:
                 output.drop_rows()
                 fault = Fault(str(refused.args[0]), refused.remedy or "change the event")
-                raise Stopped(report(self, fault, self.good.clock, 0)) from refused
+                raise Stopped(report(self.world, self.clock, fault, self.good.clock, 0)) from refused
             self._write(output)
             done()
 
@@ -193,7 +193,7 @@ class Run:
             cause = fault if fault.repeatable or cause is None else cause
             if retry == MAX_RETRIES or not fault.repeatable:
                 self.counts.steps_repeated = repeated
-                raise Stopped(report(self, cause, good.clock, retry))
+                raise Stopped(report(self.world, self.clock, cause, good.clock, retry))
             retries = self.counts.retries + 1
             self.resume(good)
             self.counts.retries, self.counts.steps_repeated = retries, repeated
@@ -361,7 +361,7 @@ class Run:
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         self._tell_mended()
         if state is not None or self.world.obstacles.dynamic or self.world.sheets:
-            with self.stopwatch.phase(COMPILE):
+            with self.stopwatch.phase("compile"):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
             self.world.build(state, emission, self.counts, self.tell, self.clock.time, going_on=going_on)

@@ -13,7 +13,7 @@ import numpy as np
 
 from scene.settings import Refused
 from sim.bodies.obstacles import find_obstacles
-from sim.run.extent import action_bounds
+from sim.run.bounds import action_bounds
 from sim.spec import Pressure, SimulationSpec
 
 if TYPE_CHECKING:

@@ -41,7 +41,7 @@ class Stage:
         self.problems: list[str] = []
         self._thread = threading.Thread(target=self.session.run, daemon=True)
         self._thread.start()
-        assert self.session.ready.wait(120)
+        assert self.session.ready.wait(300)
 
     def change(self, **data: Any) -> None:
         self.session.change(data, self.problems.append)

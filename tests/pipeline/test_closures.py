@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from workflow import record
-from workflow.plan import ENTRY
-from workflow.sources import closure
-from workflow.specs import FOLDER
+from workflow.plan import record
+from workflow.plan.jobs import ENTRY
+from workflow.plan.sources import closure
+from workflow.plan.specs import FOLDER
 
 RECORDER = """\
 import json, pathlib, runpy, sys

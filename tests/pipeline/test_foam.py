@@ -11,8 +11,8 @@ import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
+from common.ply import read_points
 from tests.pipeline.conftest import ROOT, Project, source_tree
-from workflow.ply import read_points
 
 pytestmark = pytest.mark.slow
 FILM = "renders/tiny/foam"

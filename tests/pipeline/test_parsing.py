@@ -11,7 +11,7 @@ HEAVY = ("taichi", "bpy", "pysplashsurf", "numpy", "matplotlib", "trimesh")
 
 
 def test_imports(fresh):
-    code = "import json, sys, workflow.catalog, workflow.memory; print(json.dumps(sorted(sys.modules)))"
+    code = "import json, sys, workflow.catalog, workflow.plan.memory; print(json.dumps(sorted(sys.modules)))"
     printed = subprocess.run([sys.executable, "-c", code], cwd=fresh.folder, capture_output=True, text=True, check=True)
     assert not set(HEAVY) & set(json.loads(printed.stdout))
 

@@ -117,7 +117,7 @@ def _thrown(solver: str) -> Callable[[float], bool]:
 
 
 def _retried(out: Path) -> bool:
-    from workflow.summaries import read
+    from workflow.stages.film.summaries import read
 
     return read(out)["counts"]["retries"] > 0
 

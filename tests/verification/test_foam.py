@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from common.files import FLUID_POINT
+from common.ply import FLUID_POINT
 from sim.bodies.wall import Wall
 from sim.device import runtime
 from sim.foam.spec import FoamJobSpec, FoamSpec, TrappedAir

@@ -16,9 +16,9 @@ from workflow.accuracy.evidence import Measured, cheapest, evidence, least_error
 from workflow.budget.detail import Presets
 from workflow.budget.forecast import predicted, teller
 from workflow.budget.pilot import ROOT
-from workflow.kept import keep, kept, key_of
-from workflow.plan import Plan
-from workflow.spacings import is_spacing, resolving, scaled
+from workflow.budget.spacings import is_spacing, resolving, scaled
+from workflow.plan.jobs import Plan
+from workflow.plan.kept import keep, kept, key_of
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from scene.document import read
 from scene.grid import setting
 from scene.load import Scene
 from scene.settings import Refused
-from workflow.shelf import STUDIES, STUDY_FILES
-from workflow.spacings import fineness_of_spacing, is_spacing
+from workflow.budget.spacings import fineness_of_spacing, is_spacing
+from workflow.plan.shelf import STUDIES, STUDY_FILES
 from workflow.study.load import LoadedStudy, Trial, load_study
 
 MEASURED = STUDY_FILES.folder / "measured"

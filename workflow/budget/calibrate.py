@@ -16,8 +16,8 @@ from workflow.budget.detail import Presets
 from workflow.budget.model import Flight, Model, Pictures, Surfaces
 from workflow.budget.pilot import Drawn, Pilot
 from workflow.budget.schedule import SIDE_BY_SIDE
-from workflow.memory import particles
-from workflow.spacings import spacing
+from workflow.budget.spacings import spacing
+from workflow.plan.memory import particles
 
 COARSE, FINE = 1500, 5000
 """Particles of the pilots: as few as show what happens, and what a second can follow."""

@@ -13,8 +13,8 @@ from workflow.budget.detail import FINEST, Presets
 from workflow.budget.forecast import Forecast, calibrated, forecast, teller
 from workflow.budget.model import Model
 from workflow.budget.pilot import ROOT
-from workflow.kept import keep, kept, key_of
-from workflow.plan import Plan
+from workflow.plan.jobs import Plan
+from workflow.plan.kept import keep, kept, key_of
 
 STEP = 0.05
 """Between details that are looked at."""

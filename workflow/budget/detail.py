@@ -15,7 +15,7 @@ from typing import Any
 from scene import grid
 from scene.load import BUDGET, Scene, load
 from scene.presets import QUALITIES
-from workflow.spacings import is_spacing, scaled, spacing
+from workflow.budget.spacings import is_spacing, scaled, spacing
 
 FINEST = float(len(QUALITIES) - 1)
 COARSER = 1.4

@@ -14,7 +14,7 @@ from workflow.budget.calibrate import Calibration
 from workflow.budget.detail import Presets
 from workflow.budget.model import Model
 from workflow.budget.schedule import SIDE_BY_SIDE, wall
-from workflow.timeline import Timeline
+from workflow.plan.timeline import Timeline
 
 FILM = 5.0
 """For Snakemake to begin, and for the film to be put together [s]."""

@@ -14,9 +14,9 @@ from scipy.optimize import nnls
 
 from scene.load import Scene
 from workflow.budget.pilot import Drawn, Simulated
-from workflow.memory import particles
-from workflow.spacings import spacing
-from workflow.timeline import Timeline
+from workflow.budget.spacings import spacing
+from workflow.plan.memory import particles
+from workflow.plan.timeline import Timeline
 
 COPIES = 2
 """Of a picture: in results/ and in renders/."""

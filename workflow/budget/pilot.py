@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from scene.load import Scene
-from workflow.plan import ENTRY, Plan
-from workflow.summaries import read
-from workflow.tables import numbers
+from workflow.plan.jobs import ENTRY, Plan
+from workflow.stages.film.summaries import read
+from workflow.stages.film.tables import numbers
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Sequence
 
-from workflow.timeline import Timeline
+from workflow.plan.timeline import Timeline
 
 SIDE_BY_SIDE = 2
 """Jobs that share the cores, each with half of them."""

@@ -11,13 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from common.files import write_json, write_whole
 from common.manifest import Manifest
 from scene.load import load
 from scene.presets import Quality
 from workflow.gallery.shots import FOLDER, Shot
-from workflow.plan import Job, Plan
-from workflow.shelf import SCENE_FILES
-from workflow.stage import write_json, write_whole
+from workflow.plan.jobs import Job, Plan
+from workflow.plan.shelf import SCENE_FILES
 
 LARGE = {"resolution": [960, 540], "samples": 24}
 """Of the large picture, which is rendered anew."""

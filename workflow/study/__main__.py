@@ -16,10 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
+from common.files import write_json
 from scene.settings import Refused
 from scene.spec_option import HELP, spec_text
-from workflow import tables
-from workflow.stage import exit_code, refuse_spoiled, write_json
+from workflow.stages.film import tables
+from workflow.stages.stage import exit_code, refuse_spoiled
 from workflow.study import measure
 from workflow.study.plot import draw
 from workflow.study.points import Outcome, Point, front

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from scene.document import SceneError
-from workflow.lookup import JobLookup, stop
-from workflow.plan import Job
-from workflow.shelf import STUDY_FILES
+from workflow.plan.jobs import Job
+from workflow.plan.lookup import JobLookup, stop
+from workflow.plan.shelf import STUDY_FILES
 from workflow.study.load import load_study
 from workflow.study.plan import StudyPlan
 

@@ -11,14 +11,13 @@ from typing import Any
 
 from scene.load import Scene
 from scene.settings import canonical_json
-from workflow import sources
-from workflow.plan import ENTRY, RESULTS, Job, Plan, versions
-from workflow.shelf import STUDIES
-from workflow.specs import spec_file
+from workflow.plan.jobs import ENTRY, RESULTS, Job, Plan, sources, versions
+from workflow.plan.shelf import STUDIES
+from workflow.plan.specs import spec_file
+from workflow.plan.timeline import Frames
 from workflow.study.load import LoadedStudy, Trial
 from workflow.study.spec import ByTable
 from workflow.study.trial import RUN
-from workflow.timeline import Frames
 
 REPORT = "workflow.study"
 TRIAL = "workflow.study.trial"

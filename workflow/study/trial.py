@@ -22,7 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
-from workflow.stage import FAILED, write_json
+from common.files import write_json
+from workflow.stages.stage import FAILED
 
 RUN = "@RUN"
 STATUS = {0: "done", 2: "refused", 3: "stopped"}

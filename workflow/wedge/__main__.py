@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
+from common.files import write_whole
 from scene.spec_option import HELP, spec_text
-from workflow import tables
-from workflow.contact_sheet import Cell, chosen, draw_sheet
-from workflow.stage import exit_code, refuse_spoiled, write_whole
-from workflow.summaries import read
+from workflow.stages.film import tables
+from workflow.stages.film.contact_sheet import Cell, chosen, draw_sheet
+from workflow.stages.film.summaries import read
+from workflow.stages.stage import exit_code, refuse_spoiled
 
 STRIP = 4
 """Pictures of each film, while there are few films; of many, its last."""

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scene.wedge import Combination
-from workflow import sources
-from workflow.plan import Job, Plan, versions
-from workflow.timeline import Frames
+from workflow.plan.jobs import Job, Plan, sources, versions
+from workflow.plan.timeline import Frames
 
 WEDGES = "wedges"
 REPORT = "workflow.wedge"

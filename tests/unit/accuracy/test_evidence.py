@@ -13,8 +13,8 @@ from scene.settings import Refused
 from workflow.accuracy import evidence as source
 from workflow.accuracy.choose import needed
 from workflow.accuracy.evidence import Measured, cheapest, least_error
-from workflow.shelf import STUDY_FILES
-from workflow.spacings import FLUID, fineness_of_spacing, fluid_size
+from workflow.budget.spacings import FLUID, fineness_of_spacing, fluid_size
+from workflow.plan.shelf import STUDY_FILES
 from workflow.study.load import load_study
 
 ROOT = Path(__file__).resolve().parents[3]

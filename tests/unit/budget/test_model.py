@@ -11,8 +11,8 @@ import pytest
 from workflow.budget.detail import Presets
 from workflow.budget.model import Flight, Model, Pictures, Surfaces
 from workflow.budget.pilot import Drawn, Simulated
-from workflow.memory import particles
-from workflow.spacings import spacing
+from workflow.budget.spacings import spacing
+from workflow.plan.memory import particles
 
 SCENE = Path(__file__).resolve().parents[3] / "scenes" / "dam_break.yaml"
 STEP, EACH, ITERATION = 2e-3, 1e-7, 3e-8

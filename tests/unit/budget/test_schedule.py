@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from workflow.budget.schedule import wall
-from workflow.timeline import Timeline
+from workflow.plan.timeline import Timeline
 
 TWO_SEGMENTS = Timeline(24, 24)
 """Of 12 frames, each with three blocks."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from render.blender import DEBIAN_PACKAGES, import_remedy
+from render.blender.session import DEBIAN_PACKAGES, import_remedy
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ import bpy
 import pytest
 from mathutils import Quaternion, Vector
 
-from render.bodies import Body
+from render.content.bodies import Body
+from render.content.ply import read_mesh
 from render.inputs import Pose
-from render.ply import read_mesh
 
 FPS = 24.0
 POSE = Pose(position=(1, 2, 3), rotation=(1, 0, 0, 0), velocity=(0, 0, -6), angular_velocity=(0, 12, 0))

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from render.containers import add_container
-from render.ply import read_mesh
+from render.content.containers import add_container
+from render.content.ply import read_mesh
 
 
 @pytest.mark.parametrize("flipped", [False, True])

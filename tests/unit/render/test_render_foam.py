@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from common.files import write_points
+from common.ply import write_points
 from sim.foam.particles import FOAM_POINT
 
 HEIGHT = 90

@@ -2,8 +2,8 @@
 
 import pytest
 
-from render.axes import z_up
-from render.framing import direction, frame_box, view_of
+from render.content.axes import z_up
+from render.content.framing import direction, frame_box, view_of
 from render.inputs import Box
 
 BOXES = [
@@ -36,7 +36,7 @@ def test_the_view_agrees_with_blender():
     from bpy_extras.object_utils import world_to_camera_view
     from mathutils import Vector
 
-    from render.camera import Camera
+    from render.content.camera import Camera
     from render.spec import Camera as CameraSettings
 
     bpy.ops.wm.read_factory_settings(use_empty=True)

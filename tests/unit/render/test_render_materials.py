@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from render.materials import PLAIN, default_body_look, make_material
-from render.nodes import TINT, rgba
+from render.content.materials import PLAIN, default_body_look, make_material
+from render.content.nodes import TINT, rgba
 
 RED = (1.0, 0.0, 0.0)
 

@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from render import ply
-from render.axes import z_up, z_up_quaternion
+from render.content import ply
+from render.content.axes import z_up, z_up_quaternion
+from render.content.meshes import build_mesh
+from render.content.nodes import TINT
+from render.content.ply import read_mesh
 from render.errors import Unusable
-from render.meshes import build_mesh
-from render.nodes import TINT
-from render.ply import read_mesh
 
 NAMES = "x y z nx ny nz vx vy vz"
 TRIANGLE = [(1, 2, 3, 0, 1, 0, 4, 5, 6), (2, 2, 3, 0, 1, 0, 4, 5, 6), (1, 2, 5, 0, 1, 0, 7, 8, 9)]

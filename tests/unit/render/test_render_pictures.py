@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from render.pictures import without_metadata
+from render.blender.pictures import without_metadata
 
 
 def _png(**texts):

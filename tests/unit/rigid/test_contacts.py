@@ -173,7 +173,7 @@ PAIRS = {
 def test_what_is_told_before_anything_is_built_is_what_the_run_tells(case):
     """Of the same pairs; the depth of a point is at most the way that takes the bodies apart."""
     from sim.bodies.obstacles import find_obstacles
-    from sim.checks.overlaps import overlaps
+    from sim.bodies.overlaps import overlaps
     from sim.spec import SimulationSpec
 
     bodies = dict(zip("ab", PAIRS[case], strict=True))

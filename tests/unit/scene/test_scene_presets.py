@@ -7,7 +7,7 @@ import pytest
 from render.spec import RenderSpec
 from scene.load import load
 from scene.presets import PRESETS, QUALITIES
-from workflow.surface_spec import SurfaceSpec
+from workflow.stages.surface.spec import SurfaceSpec
 
 
 def samples(bench, text: str, quality: str, *overrides: str) -> int:

@@ -10,7 +10,7 @@ import pytest
 from scene.document import parse, read
 from scene.load import load
 from workflow import schema
-from workflow.shelf import SCENE_FILES
+from workflow.plan.shelf import SCENE_FILES
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from common.files import write_mesh
+from common.ply import write_mesh
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]])
 FACES = np.array([[0, 1, 2]])

@@ -6,7 +6,8 @@ import os
 
 import pytest
 
-from common.files import Reserve, Table, write_json
+from common.files import Reserve, write_json
+from sim.run.table import Table
 
 COLUMNS = ("step", "time")
 

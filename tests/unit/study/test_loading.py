@@ -10,8 +10,8 @@ import pytest
 
 from scene.document import SceneError, read
 from tests import falling_ball
-from workflow.plan import ENTRY
-from workflow.shelf import STUDY_FILES
+from workflow.plan.jobs import ENTRY
+from workflow.plan.shelf import STUDY_FILES
 from workflow.study import schema
 from workflow.study.load import load_study
 from workflow.study.plan import StudyPlan
@@ -141,7 +141,7 @@ def test_a_frame_or_a_surface_that_is_not_there_is_refused(loaded, quantity, mor
 
 def test_films_know_nothing_of_studies():
     """Code of studies repeats no stage of a film."""
-    from workflow.sources import closure
+    from workflow.plan.sources import closure
 
     for stage in ("simulate", "reconstruct", "render", "film"):
         assert not [path for path in closure(ENTRY[stage], ROOT) if "study" in path.parts]

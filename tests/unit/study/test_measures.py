@@ -7,8 +7,8 @@ import pytest
 import trimesh
 from PIL import Image
 
+from common.ply import write_surface
 from scene.settings import Refused
-from workflow.ply import write_surface
 from workflow.study import measure
 from workflow.study.spec import ByFormula, ByTable, Quantity
 

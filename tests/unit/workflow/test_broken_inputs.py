@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from common.files import FLUID_POINT, write_points
 from common.manifest import Manifest
+from common.ply import FLUID_POINT, write_points
 from render.__main__ import main as render
 from render.errors import Unusable
 from render.inputs import Inputs
 from scene.settings import Refused
-from workflow import tables
-from workflow.bodies import Bodies
 from workflow.film import main as film
 from workflow.reconstruct import main as reconstruct
+from workflow.stages.bodies import Bodies
+from workflow.stages.film import tables
 
 BODIES = "frame,time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n0,0,ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n"
 

@@ -11,9 +11,9 @@ from scene.presets import PRESETS
 from sim.bodies.wall import Wall
 from tests.lattices import lattice
 from tests.meshes import open_edges
-from workflow.surface import reconstruct
-from workflow.surface_mesh import Surface
-from workflow.surface_spec import ReconstructSpec
+from workflow.stages.surface.mesh import Surface
+from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.surface.surface import reconstruct
 
 RADIUS = 0.02
 SPACING = 2 * RADIUS

@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 
 from scene.settings import Refused
-from workflow.contact_sheet import chosen, contact_sheet
 from workflow.film import main, run
-from workflow.film_spec import ContactSheet, FilmJobSpec, FilmSpec
+from workflow.stages.film.contact_sheet import chosen, contact_sheet
+from workflow.stages.film.spec import ContactSheet, FilmJobSpec, FilmSpec
 
 
 @pytest.fixture(autouse=True)

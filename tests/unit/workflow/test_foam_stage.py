@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from common.files import FLUID_POINT, write_mesh, write_points
+from common.ply import FLUID_POINT, read_points, write_mesh, write_points
 from tests.lattices import lattice
 from workflow.foam import main
-from workflow.ply import read_points
 
 SPEC = {"particle_radius": 0.01, "support_radius": 0.04, "fps": 24, "foam": {"agitation": {"low": 0.1, "high": 0.5}}}
 

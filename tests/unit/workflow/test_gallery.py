@@ -8,7 +8,7 @@ from pathlib import Path
 
 from workflow.gallery.page import page
 from workflow.gallery.shots import FOLDER, PAGE, Shot, Shots, shots
-from workflow.shelf import SCENE_FILES
+from workflow.plan.shelf import SCENE_FILES
 
 ROOT = Path(__file__).resolve().parents[3]
 SHOT = {"title": "Pond", "says": "It is still.", "seen": "A pond", "frame": 3}

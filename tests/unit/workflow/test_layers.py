@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from sim.geometry.thinning import first_come
 from tests import lattices
-from workflow.layers import whole_layers
-from workflow.surface import reconstruct
-from workflow.surface_spec import Layers, ReconstructSpec
+from workflow.stages.surface.layers import whole_layers
+from workflow.stages.surface.spec import Layers, ReconstructSpec
+from workflow.stages.surface.surface import reconstruct
 
 SPACING = 0.02
 ROOM = 0.72 * SPACING

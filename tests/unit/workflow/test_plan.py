@@ -13,9 +13,9 @@ import pytest
 from render.spec import RenderSpec
 from sim.foam.spec import FoamSpec
 from sim.spec import SimulationSpec
-from workflow.film_spec import FilmSpec
-from workflow.plan import Plan
-from workflow.surface_spec import SurfaceSpec
+from workflow.plan.jobs import Plan
+from workflow.stages.film.spec import FilmSpec
+from workflow.stages.surface.spec import SurfaceSpec
 
 ROOT = Path(__file__).resolve().parents[3]
 BOX = {"type": "box", "size": [1, 1, 1]}

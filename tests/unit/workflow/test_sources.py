@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from workflow.sources import PACKAGES, closure, digest
+from workflow.plan.sources import PACKAGES, closure, digest
 
 ROOT = Path(__file__).resolve().parents[3]
 

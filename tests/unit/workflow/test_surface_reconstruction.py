@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from common.ply import BadPly, columns, read_points
 from scene.presets import PRESETS, QUALITIES
 from tests.meshes import open_edges
-from workflow.ply import BadPly, columns, read_points
+from workflow.plan.timeline import Frames
 from workflow.reconstruct import run
-from workflow.surface import reconstruct
-from workflow.surface_spec import ReconstructSpec, SurfaceSpec
-from workflow.timeline import Frames
+from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec
+from workflow.stages.surface.surface import reconstruct
 
 ROOT = Path(__file__).resolve().parents[3]
 RADIUS = 0.02
@@ -164,7 +164,7 @@ def test_a_table_without_velocity(tmp_path):
 
 
 def test_normals_are_finite_where_triangles_have_no_area():
-    from workflow.surface import _finite
+    from workflow.stages.surface.surface import _finite
 
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [5, 5, 5]], np.float32)
     triangles = np.array([[0, 1, 2], [0, 3, 3], [4, 4, 4]], np.int32)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workflow.timeline import Frames, Timeline, block_length, segment_length
+from workflow.plan.timeline import Frames, Timeline, block_length, segment_length
 
 SPANS = [
     (fps, seconds) for fps in (1, 4, 5, 7, 12, 23, 24, 25, 26, 29.97, 30, 48, 50, 60, 120) for seconds in (1, 2, 3.5)

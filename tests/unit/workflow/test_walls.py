@@ -9,11 +9,11 @@ from sim.bodies.wall import Wall
 from sim.spec import SimulationSpec
 from tests.lattices import lattice
 from tests.meshes import open_edges
-from workflow.standing import standing_walls
-from workflow.surface import reconstruct
-from workflow.surface_mesh import Surface
-from workflow.surface_spec import ReconstructSpec
-from workflow.walls import BEHIND, continued
+from workflow.stages.surface.mesh import Surface
+from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.surface.standing import standing_walls
+from workflow.stages.surface.surface import reconstruct
+from workflow.stages.surface.walls import BEHIND, continued
 
 RADIUS = 0.02
 SPACING = 2 * RADIUS

@@ -1,0 +1,155 @@
+"""PLY files, binary little-endian: point clouds of particles, triangle meshes of bodies, sheets and surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from common.files import whole
+
+FLUID_POINT = np.dtype([(name, "<f4") for name in ("x", "y", "z", "vx", "vy", "vz", "density")] + [("id", "<i4")])
+"""A particle of `fluid_00042.ply`; world coordinates, SI units."""
+_TYPES = {
+    "float": "<f4",
+    "float32": "<f4",
+    "double": "<f8",
+    "float64": "<f8",
+    "int": "<i4",
+    "int32": "<i4",
+    "uint": "<u4",
+    "uint32": "<u4",
+    "uchar": "u1",
+    "uint8": "u1",
+}
+_LONGEST_HEADER = 10_000
+_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")])
+_TRIANGLE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
+
+
+class BadPly(Exception):
+    """A file that is not the PLY file that it should be."""
+
+
+def read_points(path: Path) -> np.ndarray:
+    """The vertices of a PLY file as a structured array, one field a property; shape [n].
+
+    Raises BadPly for anything but a complete binary little-endian file with scalar properties,
+    and OSError where the file can not be read.
+    """
+    content = path.read_bytes()
+    end = content.find(b"end_header\n", 0, _LONGEST_HEADER)
+    lines = content[: max(end, 0)].decode("ascii", "replace").splitlines()
+    if lines[:2] != ["ply", "format binary_little_endian 1.0"]:
+        raise BadPly(f"{path} is not a binary little-endian PLY file")
+    element, count, fields = "", 0, []
+    for line in lines[2:]:
+        match line.split():
+            case ["element", "vertex", number]:
+                element, count = "vertex", int(number)
+            case ["element", name, _]:
+                element = name
+            case ["property", kind, name] if element == "vertex":
+                if kind not in _TYPES:
+                    raise BadPly(f"{path}: the property {name} has the unknown type {kind}")
+                fields.append((name, _TYPES[kind]))
+            case ["property", *_] if element == "vertex":
+                raise BadPly(f"{path}: lists at vertices are not understood")
+    layout = np.dtype(fields)
+    start = end + len(b"end_header\n")
+    if len(content) < start + count * layout.itemsize:
+        raise BadPly(f"{path} is cut off: {len(content)} bytes, too few for {count} points")
+    return np.frombuffer(content, layout, count, start)
+
+
+def columns(points: np.ndarray, names: Sequence[str]) -> np.ndarray:
+    """Fields of a structured array as a contiguous float32 array; shape [n, len(names)].
+
+    Raises BadPly where one is missing.
+    """
+    missing = [name for name in names if name not in (points.dtype.names or ())]
+    if missing:
+        raise BadPly(f"there is no property {missing[0]}")
+    table = np.empty((len(points), len(names)), np.float32)
+    for index, name in enumerate(names):
+        table[:, index] = points[name]
+    return table
+
+
+def write_surface(
+    path: Path, vertices: np.ndarray, normals: np.ndarray, velocities: np.ndarray, triangles: np.ndarray
+) -> None:
+    """Write a mesh: positions [m], unit normals and velocities [m/s], shape [n, 3]; vertex indices, shape [m, 3]."""
+    points = np.empty(len(vertices), _SURFACE_VERTEX)
+    for names, values in (("xyz", vertices), (("nx", "ny", "nz"), normals), (("vx", "vy", "vz"), velocities)):
+        for axis, name in enumerate(names):
+            points[name] = values[:, axis]
+    faces = np.empty(len(triangles), _TRIANGLE)
+    faces["count"] = 3
+    faces["vertices"] = triangles
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {len(points)}",
+        *(f"property float {name}" for name in _SURFACE_VERTEX.names),
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    with path.open("wb") as file:
+        file.write("\n".join([*header, ""]).encode("ascii"))
+        file.write(points.tobytes())
+        file.write(faces.tobytes())
+
+
+def write_points(path: Path, points: np.ndarray) -> None:
+    """A binary little-endian PLY cloud of FLUID_POINT records, shape [n]."""
+    kinds = {"<f4": "float", "<i4": "int"}
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
+    header += [f"property {kinds[kind]} {name}" for name, kind in points.dtype.descr]
+    with whole(path) as stream:
+        stream.write(("\n".join([*header, "end_header"]) + "\n").encode())
+        stream.write(np.ascontiguousarray(points).tobytes())
+
+
+def write_mesh(
+    path: Path,
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    colors: np.ndarray | None = None,
+    velocities: np.ndarray | None = None,
+) -> None:
+    """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3].
+
+    `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out. `velocities` of the vertices
+    [m/s], shape [n, 3].
+    """
+    channels = () if colors is None else ("red", "green", "blue")
+    rates = () if velocities is None else ("vx", "vy", "vz")
+    points = np.empty(
+        len(vertices),
+        dtype=[("place", "<f4", (3,)), ("velocity", "<f4", (len(rates),)), ("color", "u1", (len(channels),))],
+    )
+    points["place"] = vertices
+    if velocities is not None:
+        points["velocity"] = velocities
+    if colors is not None:
+        points["color"] = colors[:, :3]
+    triangles = np.empty(len(faces), dtype=[("count", "u1"), ("index", "<i4", (3,))])
+    triangles["count"] = 3
+    triangles["index"] = faces
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        f"element vertex {len(vertices)}",
+        *(f"property float {name}" for name in ("x", "y", "z", *rates)),
+        *(f"property uchar {channel}" for channel in channels),
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    with whole(path) as stream:
+        stream.write(("\n".join(header) + "\n").encode())
+        stream.write(points.tobytes())
+        stream.write(triangles.tobytes())

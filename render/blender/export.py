@@ -1,0 +1,110 @@
+"""The whole animation as a file for other programs: USD, Alembic, or a .blend that holds all it needs."""
+
+from __future__ import annotations
+
+import os
+import platform
+from pathlib import Path
+from typing import Any
+
+from render.blender.engine import configure
+from render.blender.session import bpy, check, release, silenced
+from render.content.meshes import add_object, build_mesh, replace_mesh
+from render.content.motion import show_only
+from render.content.scene import Scene, plain
+from render.errors import RenderError, Unusable
+from render.inputs import Inputs
+from render.job import Job, Report
+
+
+def export_film(job: Job, report: Report) -> dict[str, Any]:
+    """Write a job's frames to its file; returns the summary.
+
+    Raises RenderError, and Unusable for files that can not be read and formats that this Blender does not write.
+    """
+    path = Path(job.export)
+    part = path.with_name(f".{path.stem}.part{path.suffix}")
+    inputs = Inputs(Path(job.simulation), Path(job.surface) if job.surface else None)
+    settings = plain(job.settings)
+    try:
+        with silenced(Path(job.log)):
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+            scene = Scene(settings, inputs, job.fps)
+            configure(settings, job.threads, job.fps)
+            bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
+            stage = bpy.context.scene
+            stage.frame_start, stage.frame_end = job.first, job.last
+            poses = inputs.poses(job.frames())
+            for frame in job.frames():
+                scene.key(frame, poses[frame])
+            write = _write_blend if path.suffix == ".blend" else _write_geometry
+            write(scene, job, part, report)
+        part.replace(path)
+    except (AttributeError, RuntimeError) as error:
+        raise Unusable(f"this Blender can not write {path.suffix} files: {error}") from error
+    except OSError as error:
+        raise RenderError(f"can not write {path}: {error.strerror}") from error
+    finally:
+        release()
+        part.unlink(missing_ok=True)
+    return {
+        "versions": {"blender": bpy.app.version_string, "python": platform.python_version()},
+        "frames": {"first": job.first, "last": job.last, "count": len(job.frames())},
+        "bytes": os.path.getsize(path),
+        "warnings": [],
+        "wall_s": {},
+    }
+
+
+def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
+    """Exporters ask for one frame after another. They take a mesh for still whose object has no modifier (that of
+    triangles to triangles changes nothing), and one of another name for another thing."""
+
+    def bring(stage: Any, *_: Any) -> None:
+        frame = stage.frame_current
+        if frame not in job.frames():
+            return
+        for name, mesh in scene.read(frame).items():
+            thing, material = scene.moving()[name]
+            seen = mesh is not None and len(mesh.triangles) > 0
+            replace_mesh(thing, build_mesh(name, mesh) if seen else _nothing(name), material)
+            thing.data.name = name
+        report({"frame": frame, "wall_s": 0.0})
+
+    for thing, _ in scene.moving().values():
+        thing.modifiers.new("sampled", "TRIANGULATE")
+    bpy.app.handlers.frame_change_pre.append(bring)
+    if path.suffix == ".abc":
+        done = bpy.ops.wm.alembic_export(
+            filepath=str(path), start=job.first, end=job.last, evaluation_mode="RENDER", as_background_job=False
+        )
+    else:
+        done = bpy.ops.wm.usd_export(filepath=str(path), export_animation=True, evaluation_mode="RENDER")
+    check(done, "exporting")
+
+
+def _nothing(name: str) -> Any:
+    """A triangle without area: exporters go on with the last mesh where one is empty."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([(0.0, 0.0, 0.0)] * 3, [], [(0, 1, 2)])
+    return mesh
+
+
+def _write_blend(scene: Scene, job: Job, path: Path, report: Report) -> None:
+    """What changes its shape is one object a frame, in sight in that frame alone: it needs no files and no scripts."""
+    materials = {name: material for name, (_, material) in scene.moving().items()}
+    for thing, _ in scene.moving().values():
+        bpy.data.objects.remove(thing)
+    for frame in job.frames():
+        for name, mesh in scene.read(frame).items():
+            if mesh is None or len(mesh.triangles) == 0:
+                continue
+            thing = add_object(f"{name}_{frame:05d}", build_mesh(name, mesh), materials[name])
+            for when, seen in ((frame - 1, False), (frame, True), (frame + 1, False)):
+                show_only(thing, seen, when)
+        report({"frame": frame, "wall_s": 0.0})
+    for image in bpy.data.images:
+        if image.source == "FILE":
+            image.pack()
+    bpy.context.scene.frame_set(job.first)
+    check(bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=True), "saving the scene")

@@ -1,0 +1,58 @@
+"""Foam, spray and bubbles: each particle a ball, which Cycles draws without a mesh."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from render.blender.session import bpy
+from render.content.axes import z_up_columns
+from render.content.ply import TriangleMesh
+
+RADIUS = "foam_radius"
+"""Name of the points' attribute; Blender keeps `radius` for itself."""
+
+
+class Foam:
+    """One object whose points change from frame to frame."""
+
+    def __init__(self, material: Any):
+        self._thing = bpy.data.objects.new("foam", bpy.data.meshes.new("foam"))
+        bpy.context.scene.collection.objects.link(self._thing)
+        modifier = self._thing.modifiers.new("balls", "NODES")
+        modifier.node_group = _balls(material)
+
+    def show(self, source: TriangleMesh) -> None:
+        """Have these points: x, y, z [m], radius [m] and vx, vy, vz [m/s], which Cycles takes for motion blur."""
+        columns = source.columns
+        old, mesh = self._thing.data, bpy.data.meshes.new("foam")
+        mesh.vertices.add(source.vertex_count())
+        mesh.vertices.foreach_set("co", z_up_columns(columns["x"], columns["y"], columns["z"]))
+        velocity = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        velocity.data.foreach_set("vector", z_up_columns(columns["vx"], columns["vy"], columns["vz"]))
+        mesh.attributes.new(RADIUS, "FLOAT", "POINT").data.foreach_set("value", columns["radius"])
+        mesh.update()
+        self._thing.data = mesh
+        self._thing.hide_render = source.vertex_count() == 0
+        bpy.data.meshes.remove(old)
+
+
+def _balls(material: Any) -> Any:
+    """The geometry nodes that make a ball of every vertex."""
+    tree = bpy.data.node_groups.new("balls", "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for direction in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    names = ("NodeGroupInput", "GeometryNodeMeshToPoints", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    start, points, dressed, end = (tree.nodes.new(name) for name in names)
+    radius = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    radius.data_type = "FLOAT"
+    radius.inputs["Name"].default_value = RADIUS
+    dressed.inputs["Material"].default_value = material
+    # Blender 3 has an output of each type, of which one is shown.
+    tree.links.new(next(output for output in radius.outputs if output.enabled), points.inputs["Radius"])
+    for source, target, key in ((start, points, 0), (points, dressed, "Geometry"), (dressed, end, 0)):
+        tree.links.new(source.outputs[0], target.inputs[key])
+    return tree

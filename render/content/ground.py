@@ -1,0 +1,39 @@
+"""The ground: a wide disc that fades into the background, so that no horizon line shows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from render.blender.session import bpy
+from render.content.framing import View
+from render.content.materials import make_material
+from render.content.meshes import add_object
+from render.content.nodes import Graph
+from render.inputs import Box
+
+NEAR, FAR = 1.5, 9.0
+"""Where the ground begins to fade and where it is gone, over the camera's distance from the action's centre."""
+
+
+def add_ground(settings: Any, height: float, box: Box, view: View) -> None:
+    """Add the ground at a height [m] below the box of the action."""
+    x, y, _ = box.center
+    reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
+    material = make_material("ground", settings.material, box.diagonal)
+    _fade(material, NEAR * reach, FAR * reach)
+    mesh = bpy.data.meshes.new("ground")
+    rim = 1.01 * FAR * reach
+    corners = [(-rim, -rim, 0.0), (rim, -rim, 0.0), (rim, rim, 0.0), (-rim, rim, 0.0)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    add_object("ground", mesh, material).location = (x, y, height)
+
+
+def _fade(material: Any, near: float, far: float) -> None:
+    output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
+    opaque = output.inputs["Surface"].links[0].from_socket
+    graph = Graph(material.node_tree)
+    place = graph.node("TexCoord").outputs["Object"]
+    distance = graph.node("VectorMath", {0: place}, operation="LENGTH").outputs["Value"]
+    gone = graph.node("BsdfTransparent").outputs[0]
+    graph.feed(output, "Surface", graph.mix(graph.ramp(distance, near, far), opaque, gone))

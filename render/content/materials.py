@@ -1,0 +1,42 @@
+"""Blender materials from the looks of the settings, and looks for what the scene leaves open."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from render.blender.session import bpy
+from render.content.nodes import Graph, rgba
+from render.looks import LOOKS
+
+PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
+"""Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
+PLAIN = (0.894118, 0.341176, 0.180392)
+"""Colour (sRGB) of what has none of its own, where the look leaves it open."""
+
+
+def make_material(name: str, look: Any, size: float, tinted: bool = False) -> Any:
+    """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours."""
+    if look.color is None and not tinted:
+        look = SimpleNamespace(**vars(look) | {"color": PLAIN})
+    material = bpy.data.materials.new(name)
+    graph = Graph.new(material)
+    surface, volume = LOOKS[look.type](graph, look, size)
+    for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
+        graph.override(key, rgba(value) if isinstance(value, list) else value)
+    output = graph.node("OutputMaterial", {"Surface": surface})
+    if volume is not None:
+        graph.feed(output, "Volume", volume)
+        material.cycles.homogeneous_volume = True
+    return material
+
+
+def default_body_look(index: int, tinted: bool = False) -> Any:
+    """Look of the index-th rigid body when the scene names none; `tinted` if its vertices have colours."""
+    return SimpleNamespace(type="plastic", color=None if tinted else PALETTE[index % len(PALETTE)], roughness=0.3)
+
+
+def default_sheet_look(index: int) -> Any:
+    """Look of the index-th sheet when the scene names none."""
+    color = PALETTE[(index + 3) % len(PALETTE)]
+    return SimpleNamespace(type="cloth", color=color, roughness=0.8, sheen=0.3, translucency=0.15)

@@ -1,0 +1,93 @@
+"""Building shader node trees briefly, for the Blender versions that differ in names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from render.blender.session import bpy
+
+ALIASES = {
+    "Transmission Weight": "Transmission",
+    "Coat Weight": "Clearcoat",
+    "Coat Roughness": "Clearcoat Roughness",
+    "Sheen Weight": "Sheen",
+    "Specular IOR Level": "Specular",
+}
+"""Inputs of the Principled BSDF since Blender 4.0, and what they were called before."""
+TINT = "tint"
+"""Name of the meshes' attribute with the colours of the vertices; Cycles would show `color` black."""
+
+
+def rgba(color: Sequence[float]) -> tuple[float, float, float, float]:
+    """An sRGB colour of the settings as linear light with full opacity."""
+    return (*(_linear(channel) for channel in color), 1.0)
+
+
+def _linear(channel: float) -> float:
+    return channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
+
+
+class Graph:
+    """The nodes of a material or world. An input takes a value or another node's output."""
+
+    def __init__(self, tree: Any):
+        self.tree = tree
+
+    @classmethod
+    def new(cls, owner: Any) -> Graph:
+        """The empty graph of a new material or world."""
+        owner.use_nodes = True
+        owner.node_tree.nodes.clear()
+        return cls(owner.node_tree)
+
+    def node(self, kind: str, inputs: dict[str | int, Any] | None = None, **properties: Any) -> Any:
+        """Add a node; inputs are named, or numbered where names repeat."""
+        node = self.tree.nodes.new(f"ShaderNode{kind}")
+        for name, value in properties.items():
+            setattr(node, name, value)
+        for key, value in (inputs or {}).items():
+            self.feed(node, key, value)
+        return node
+
+    def feed(self, node: Any, key: str | int, value: Any) -> None:
+        """Set or link one input; an input that this Blender does not know is left out."""
+        socket = (
+            node.inputs[key] if isinstance(key, int) else node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
+        )
+        if socket is None:
+            return
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+
+    def override(self, key: str, value: Any) -> None:
+        """Set an input of every Principled BSDF, in place of what it was linked to."""
+        for node in (node for node in self.tree.nodes if node.type == "BSDF_PRINCIPLED"):
+            socket = node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
+            if socket is not None:
+                for link in socket.links:
+                    self.tree.links.remove(link)
+                socket.default_value = value
+
+    def tint(self) -> Any:
+        """The colour that the mesh has there."""
+        return self.node("Attribute", attribute_name=TINT).outputs["Color"]
+
+    def math(self, operation: str, *operands: Any) -> Any:
+        """Output of an arithmetic operation."""
+        return self.node("Math", dict(enumerate(operands)), operation=operation).outputs[0]
+
+    def ramp(self, value: Any, low: float, high: float) -> Any:
+        """0 below `low`, 1 above `high`, smooth in between."""
+        inputs = {"Value": value, "From Min": low, "From Max": high}
+        return self.node("MapRange", inputs, interpolation_type="SMOOTHSTEP").outputs[0]
+
+    def mix(self, share: Any, first: Any, second: Any) -> Any:
+        """Blend of two shaders: `second` where `share` is 1."""
+        return self.node("MixShader", {0: share, 1: first, 2: second}).outputs[0]
+
+    def mix_colors(self, share: Any, first: Any, second: Any) -> Any:
+        """Blend of two linear colours: `second` where `share` is 1."""
+        return self.node("MixRGB", {0: share, 1: first, 2: second}).outputs[0]

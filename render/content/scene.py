@@ -1,0 +1,152 @@
+"""The Blender scene of a film: built once, then changed from frame to frame."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from render.blender.session import bpy
+from render.content.axes import z_up
+from render.content.bodies import Body
+from render.content.camera import Camera
+from render.content.containers import add_container, wall_thickness
+from render.content.foam import Foam
+from render.content.framing import view_of
+from render.content.ground import add_ground
+from render.content.lights import add_lights
+from render.content.materials import default_body_look, default_sheet_look, make_material
+from render.content.meshes import COLOR_COLUMNS, add_object, build_mesh, replace_mesh
+from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
+from render.content.world import add_world
+from render.errors import Unusable
+from render.inputs import Box, Inputs, Pose
+
+SUNK = 0.002
+"""How far water that stands on the ground is sunk into it, over the diagonal of the action's box: they then meet
+without a film of air, which would mirror."""
+SUNK_BESIDE_CLOTH = 0.5
+"""Likewise at most, over the height at which the middle of cloth lies on the ground: it hides no cloth."""
+
+
+class Scene:
+    """Everything that is in the picture.
+
+    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that can not be drawn.
+    """
+
+    def __init__(self, settings: Any, inputs: Inputs, fps: float):
+        self.settings = settings
+        self.inputs = inputs
+        self.fps = fps
+        self.box = inputs.extent()
+        self._bodies: dict[str, Body] = {}
+        self._moving_meshes: dict[str, tuple[Any, Any]] = {}
+        self._add_surroundings(self._add_containers())
+        self._add_bodies()
+        self._add_moving_meshes()
+        self._foam = Foam(make_material("foam", settings.foam, self.box.diagonal)) if inputs.foam else None
+
+    def read(self, frame: int) -> dict[str, TriangleMesh | None]:
+        """The meshes of a frame that change their shape, by name of their object; None where there is none."""
+        paths = {"cloth_" + name: self.inputs.sheet(name, frame) for name in self.inputs.sheets()}
+        if self.inputs.surface is not None:
+            paths["water"] = self.inputs.water(frame)
+        meshes = {name: read_mesh(path) if path else None for name, path in paths.items()}
+        if self._foam is not None:
+            meshes["foam"] = read_cloud(self.inputs.bubbles(frame))
+        return meshes
+
+    def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
+        """Bring everything to where it is in a frame."""
+        exposure = self.settings.shutter if self.settings.motion_blur else 0.0
+        self._camera.show(frame, exposure, self.fps)
+        for name, body in self._bodies.items():
+            body.show(poses.get(name), frame, exposure, self.fps)
+        for name, (thing, material) in self._moving_meshes.items():
+            source = meshes[name]
+            thing.hide_render = source is None or len(source.triangles) == 0
+            if not thing.hide_render:
+                replace_mesh(thing, build_mesh(name, source), material)
+        if self._foam is not None:
+            self._foam.show(meshes["foam"])
+        bpy.context.scene.frame_set(frame)
+
+    def key(self, frame: int, poses: dict[str, Pose]) -> None:
+        """Keep where bodies and camera are in a frame as keyframes."""
+        self._camera.key(frame, self.fps)
+        for name, body in self._bodies.items():
+            body.key(poses.get(name), frame)
+
+    def moving(self) -> dict[str, tuple[Any, Any]]:
+        """What changes its shape, with its material, by the names that `read` gives."""
+        return self._moving_meshes
+
+    def _look(self, name: str, default: Any) -> Any:
+        return getattr(self.settings.materials, name, default)
+
+    def _add_surroundings(self, visible: Box) -> None:
+        settings = self.settings
+        view = view_of(settings.camera, visible, settings.resolution)
+        self._camera = Camera(
+            settings.camera, lambda time: view_of(settings.camera, visible, settings.resolution, time)
+        )
+        add_lights(settings.lights)
+        add_world(settings.lights.environment, settings.background)
+        if settings.ground.enabled:
+            add_ground(settings.ground, self._ground(visible), self.box, view)
+
+    def _ground(self, visible: Box) -> float:
+        """Height of the ground [m]: that of the scene's floor, or the lowest of what is drawn."""
+        if self.settings.ground.height is not None:
+            return self.settings.ground.height
+        floor = self.inputs.floor()
+        drawn = any(self._look(name, None) is not None for name in self.inputs.containers())
+        height = visible.low[2] if floor.height is None or drawn else floor.height
+        if self.inputs.surface is None:
+            return height
+        sunk = SUNK * self.box.diagonal
+        return height + (sunk if floor.cloth is None else min(sunk, SUNK_BESIDE_CLOTH * floor.cloth))
+
+    def _add_containers(self) -> Box:
+        """Add what the settings name; returns the box around the action and the walls."""
+        size = self.box.diagonal
+        visible = self.box
+        for name, path in self.inputs.containers().items():
+            look = self._look(name, None)
+            if look is not None:
+                inner = read_mesh(path)
+                add_container(name, inner, self.settings.walls, make_material(name, look, size), size)
+                visible = visible.joined(_bounds(inner).grown(wall_thickness(self.settings.walls, size)))
+        return visible
+
+    def _add_bodies(self) -> None:
+        for index, (name, path) in enumerate(self.inputs.bodies().items()):
+            source = read_mesh(path)
+            tinted = source.has(*COLOR_COLUMNS)
+            look = self._look(name, default_body_look(index, tinted))
+            self._bodies[name] = Body(name, source, make_material(name, look, _bounds(source).diagonal, tinted))
+
+    def _add_moving_meshes(self) -> None:
+        if self.inputs.surface is not None:
+            self._add_moving_mesh("water", make_material("water", self.settings.water, self.box.diagonal))
+        for index, name in enumerate(self.inputs.sheets()):
+            look = self._look(name, default_sheet_look(index))
+            self._add_moving_mesh("cloth_" + name, make_material(name, look, self.box.diagonal))
+
+    def _add_moving_mesh(self, name: str, material: Any) -> None:
+        self._moving_meshes[name] = add_object(name, bpy.data.meshes.new(name), material), material
+
+
+def _bounds(source: TriangleMesh) -> Box:
+    columns = [source.columns[axis] for axis in "xyz"]
+    if source.vertex_count() == 0:
+        raise Unusable("a body or container has a mesh without vertices")
+    low, high = (z_up([float(bound(column)) for column in columns]) for bound in (min_of, max_of))
+    return Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
+
+
+def plain(data: Any) -> Any:
+    """Nested dictionaries as nested namespaces."""
+    if isinstance(data, dict):
+        return SimpleNamespace(**{key: plain(value) for key, value in data.items()})
+    return [plain(value) for value in data] if isinstance(data, list) else data

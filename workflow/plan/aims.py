@@ -1,0 +1,90 @@
+"""What films aim at where no preset is chosen: a budget of time, or an error that physics may have."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from scene.load import ACCURACY, BUDGET, Scene
+from scene.settings import Refused
+from scene.units import PositiveDuration
+from workflow.plan.lookup import stop
+
+
+class Aim(ABC):
+    """Chooses the settings of scenes, once for each, on the machine at hand."""
+
+    key: ClassVar[str]
+    """Of `--config`."""
+    quality: ClassVar[str]
+    """What results are filed under."""
+    example: ClassVar[str]
+
+    def scene(self, path: Path, name: str) -> Scene:
+        """The scene at `path` as its film is made; every failure but SceneError ends the process with its message."""
+        from workflow.budget.pilot import PilotFailed
+
+        try:
+            return self._scene(path, name)
+        except Refused as refused:
+            stop(f"{refused.message}\n  fix: {refused.remedy}")
+        except PilotFailed as failed:
+            stop(f"--config {self.key}: a coarse copy of {path} failed, so that nothing can be predicted\n{failed}")
+
+    @abstractmethod
+    def _scene(self, path: Path, name: str) -> Scene:
+        """Raises SceneError, Refused, PilotFailed. Imports what it needs: other films need nothing of it."""
+
+
+class Within(Aim):
+    """The finest film that is predicted to be done in a time."""
+
+    key, quality, example = "budget", BUDGET, "budget=10min"
+
+    def __init__(self, text: Any, cores: int):
+        try:
+            self._budget = TypeAdapter(PositiveDuration).validate_python(text)
+        except ValidationError:
+            stop(f"--config budget={text}: no time\n  fix: give one with its unit, as 10min or 2h")
+        self._cores = cores
+
+    def _scene(self, path: Path, name: str) -> Scene:
+        from workflow.budget.choose import chosen
+        from workflow.budget.detail import Presets
+
+        return Presets(path).at(chosen(path, name, self._budget, self._cores).detail)
+
+
+class Exact(Aim):
+    """The cheapest film whose physics is as exact as studies found."""
+
+    key, quality, example = "error", ACCURACY, "error=5%"
+
+    def __init__(self, text: Any, cores: int):
+        found = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+) *%", str(text).strip())
+        if not found or not 0 < float(found[1]) < 100:
+            stop(f"--config error={text}: no share of what is right\n  fix: give it in percent, as error=5%")
+        self._error = float(found[1]) / 100
+        self._cores = cores
+
+    def _scene(self, path: Path, name: str) -> Scene:
+        from workflow.accuracy.choose import chosen
+
+        return chosen(path, name, self._error, self._cores)
+
+
+AIMS: tuple[type[Aim], ...] = (Within, Exact)
+
+
+def aim_of(config: Mapping[str, Any], cores: int) -> Aim | None:
+    """What `--config` asks for, if not a preset."""
+    given = [aim for aim in AIMS if aim.key in config]
+    if given and (len(given) > 1 or "quality" in config):
+        one, other = [key for key in ("quality", *(aim.key for aim in AIMS)) if key in config][:2]
+        stop(f"--config {one} and {other}: each chooses the settings\n  fix: leave one of them out")
+    return given[0](config[given[0].key], cores) if given else None

@@ -1,0 +1,111 @@
+"""Single layers of particles, made whole and flat before their surface is looked for.
+
+Where fluid lies in one layer, its particles are the bumps of its surface, and holes open as soon as they part.
+Such layers are filled where they are stretched (Ando, Thürey & Tsuruno 2012, "Preserving Fluid Sheets with Adaptively
+Sampled Anisotropic Particles") and flattened by the mean of what is around (Yu & Turk 2013, "Reconstructing Surfaces
+of Particle-Based Fluids Using Anisotropic Kernels", equation 6). Only the surface sees the result.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from sim.geometry.thinning import first_come
+from workflow.stages.surface.spec import Layers
+
+NEXT = 1.5
+"""Particles nearer than this are next to one another, in spacings: 8 in a layer, 18 in bulk."""
+LAYERED = 12
+"""Particles with fewer next to them may be of a sheet; on the surface of bulk there are 13."""
+LEAST = 4
+"""Neighbours within reach that make a sheet of a particle; with fewer it is a drop or a thread."""
+FLAT = 0.5
+"""Thickness over extent, as standard deviations, below which it is a sheet: that of one layer is 0, of the half-space
+below the surface of bulk 0.55."""
+LAYER = 0.3
+"""Standard deviation across a sheet, in spacings, below which it is one layer: two have 0.5, and would lose volume to
+the smoothing of their surface if they were filled."""
+ROOM = 0.72
+"""Distance that a new particle keeps from all others, in spacings: more than from the middle of a square of four to
+its corners, or sheets that are not stretched would be filled too."""
+SUPPORT = 2.0
+"""Reach of the mean that flattens, in spacings: the support radius of the fluid."""
+SHARE = 0.9
+"""Of the way to that mean (Yu & Turk 2013)."""
+
+Cloud = tuple[np.ndarray, np.ndarray]
+"""Positions [m] and velocities [m/s], float32, shape [n, 3]."""
+
+
+def whole_layers(positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Layers) -> Cloud:
+    """The particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3], of `spacing` [m]: those of
+    single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings. Drops, threads
+    and bulk stay as they are, to the last bit."""
+    points = positions.astype(np.float64)
+    tree = KDTree(points)
+    layer, normal = _layers(points, tree, spacing, spec.reach)
+    points[layer] += _into_layer(points, tree, layer, normal, spacing)
+    first, second = _gaps(points, layer, spacing, spec.reach)
+    middle = (points[first] + points[second]) / 2
+    between = (velocities[first] + velocities[second]) / 2
+    cloud = np.concatenate([points, middle]), np.concatenate([velocities, between])
+    return cloud[0].astype(np.float32), cloud[1].astype(np.float32)
+
+
+def _layers(points: np.ndarray, tree: KDTree, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Which particles are of a single layer, shape [m], and the unit normals of it, shape [m, 3]: the cloud around them
+    is thin in one direction and wide in two."""
+    beside = tree.query_ball_point(points, NEXT * spacing, return_length=True) - 1
+    some = np.flatnonzero(beside < LAYERED)
+    center, other, weight = _neighbours(points, some, tree, reach * spacing)
+    way = points[other] - points[some[center]]
+    total = np.bincount(center, weight, len(some))
+    mean = _sums(center, weight[:, None] * way, len(some)) / total[:, None]
+    off = way - mean[center]
+    covariance = np.empty((len(some), 3, 3))
+    for row in range(3):
+        covariance[:, row] = _sums(center, (weight * off[:, row])[:, None] * off, len(some)) / total[:, None]
+    variance, direction = np.linalg.eigh(covariance)
+    thickness, width, length = np.sqrt(np.maximum(variance, 0.0)).T
+    enough = np.bincount(center, minlength=len(some)) > LEAST
+    layer = enough & (thickness < LAYER * spacing) & (thickness < FLAT * length) & (width > FLAT * length)
+    return some[layer], direction[layer, :, 0]
+
+
+def _gaps(points: np.ndarray, layer: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of particles of a layer with room for one between them, the nearest first, as two arrays."""
+    pairs = KDTree(points[layer]).query_pairs(reach * spacing, output_type="ndarray")
+    length = np.linalg.norm(points[layer[pairs[:, 0]]] - points[layer[pairs[:, 1]]], axis=1)
+    wide = length > 2 * ROOM * spacing
+    pairs, length = layer[pairs[wide]], length[wide]
+    # equal lengths in the order of particles, for which a tree has none of its own
+    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0], length))]
+    middle = points[pairs].mean(axis=1)
+    nearest, _ = KDTree(points).query(middle, distance_upper_bound=ROOM * spacing)
+    pairs, middle = pairs[nearest > ROOM * spacing], middle[nearest > ROOM * spacing]
+    kept = first_come(middle, ROOM * spacing)
+    return pairs[kept, 0], pairs[kept, 1]
+
+
+def _into_layer(points: np.ndarray, tree: KDTree, which: np.ndarray, normal: np.ndarray, spacing: float) -> np.ndarray:
+    """The ways [m] of those `which`: along the normal, most of the way to the weighted mean around each."""
+    center, other, weight = _neighbours(points, which, tree, SUPPORT * spacing)
+    height = np.einsum("ij,ij->i", points[other] - points[which[center]], normal[center])
+    mean = np.bincount(center, weight * height, len(which)) / np.bincount(center, weight, len(which))
+    return SHARE * mean[:, None] * normal
+
+
+def _neighbours(
+    points: np.ndarray, which: np.ndarray, tree: KDTree, radius: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of an index into `which` and a particle nearer than `radius`, itself too, and their weights 1 - (r/R)^3."""
+    found = KDTree(points[which]).sparse_distance_matrix(tree, radius, output_type="ndarray")
+    order = np.lexsort((found["j"], found["i"]))
+    center, other, length = found["i"][order], found["j"][order], found["v"][order]
+    return center, other, 1.0 - (length / radius) ** 3
+
+
+def _sums(center: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
+    """Of the vectors of each center, shape [count, 3]."""
+    return np.stack([np.bincount(center, vectors[:, axis], count) for axis in range(3)], axis=1)

@@ -1,0 +1,86 @@
+"""Typed settings of the surface: how particles become a closed triangle mesh.
+
+The defaults follow Löschner, Böttcher, Jeske & Bender (2023), "Weighted Laplacian Smoothing for
+Surface Reconstruction of Particle-based Fluids"; thin sheets are made whole before, see
+workflow/stages/surface/layers.py.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le
+
+from scene.settings import Settings
+from scene.units import Density, Dimensionless, PositiveLength
+from sim.bodies.wall import Wall
+
+
+class MeshSmoothing(Settings):
+    """Laplacian smoothing of the vertices, weighted to keep splashes and droplets in shape."""
+
+    iterations: Annotated[int, Ge(0), Le(500)] = 25
+    """Number of smoothing passes; 0 leaves the bumps of single particles."""
+    weighted: bool = True
+    """Smooth less where few particles are near, so that thin features do not shrink."""
+    normalization: Annotated[Dimensionless, Gt(0), Le(100)] = 13.0
+    """Number of neighbours [1] from which a vertex is smoothed in full."""
+
+
+class MeshCleanup(Settings):
+    """Removal of slivers left by marching cubes (Moore & Warren 1992)."""
+
+    enabled: bool = True
+    """Snap vertices to the grid where they make degenerate triangles."""
+    snap_distance: Annotated[Dimensionless, Gt(0), Le(0.5)] | None = None
+    """Farthest way of a snapped vertex, in edge lengths of a cube [1]; without it, any."""
+    decimate_barnacles: bool = True
+    """Remove the small bumps that remain on smooth surfaces."""
+
+
+class Layers(Settings):
+    """Thin sheets of fluid, of a single layer of particles, which would be bumps and holes."""
+
+    enabled: bool = True
+    """Fill gaps where a layer of particles is stretched, and flatten it; drops, threads and bulk stay as they are."""
+    reach: Annotated[Dimensionless, Ge(1.5), Le(4)] = 2.6
+    """Widest gap between two particles that is filled, in spacings [1]."""
+
+
+class Normals(Settings):
+    """Normals at the vertices."""
+
+    source: Literal["mesh", "particles"] = "mesh"
+    """`mesh`: area-weighted mean of the faces; `particles`: gradient of the colour field (SPH)."""
+    smoothing_iterations: Annotated[int, Ge(0), Le(500)] = 10
+    """Number of smoothing passes over the normals."""
+
+
+class SurfaceSpec(Settings):
+    """Everything that the reconstruction depends on, besides the particles."""
+
+    smoothing_length: Annotated[Dimensionless, Ge(1), Le(8)] = 2.0
+    """Smoothing length of the kernel, in particle radii [1]; it reaches twice as far."""
+    cube_size: Annotated[Dimensionless, Ge(0.1), Le(4)] = 0.75
+    """Edge of a marching cube, in particle radii [1]: halving it makes about 4 times the triangles."""
+    surface_threshold: Annotated[Dimensionless, Gt(0), Le(1.5)] = 0.6
+    """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
+    layers: Layers = Layers()
+    drops: bool = True
+    """Make a ball of each particle that no other is near, of its volume."""
+    walls: bool = True
+    """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
+    smoothing: MeshSmoothing = MeshSmoothing()
+    cleanup: MeshCleanup = MeshCleanup()
+    normals: Normals = Normals()
+
+
+class ReconstructSpec(Settings):
+    """What `python -m workflow.reconstruct --spec` takes: the surface, and what it is the surface of."""
+
+    particle_radius: PositiveLength
+    """Half the spacing of the particles [m]."""
+    rest_density: Density = 1000.0
+    walls: tuple[Wall, ...] = ()
+    """Planes that the surface ends flush with."""
+    surface: SurfaceSpec = SurfaceSpec()

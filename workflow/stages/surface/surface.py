@@ -1,0 +1,80 @@
+"""The surface of a cloud of particles, by splashsurf (Löschner, Böttcher, Jeske & Bender 2023)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pysplashsurf
+
+from workflow.stages.surface.drops import APART, alone, balls
+from workflow.stages.surface.layers import whole_layers
+from workflow.stages.surface.mesh import Surface
+from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.surface.walls import continued, flush
+
+
+def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, *, threads: int = 1) -> Surface:
+    """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
+    surface, spacing = spec.surface, 2 * spec.particle_radius
+    if surface.layers.enabled:
+        positions, velocities = whole_layers(positions, velocities, spacing, surface.layers)
+    drops = Surface.empty()
+    if surface.drops:
+        lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
+        drops = balls(positions[lone], velocities[lone], spacing**3)
+        positions, velocities = positions[~lone], velocities[~lone]
+    positions, velocities = continued((positions, velocities), spacing, spec.walls)
+    return flush(_found(positions, velocities, spec, threads) + drops, spec.walls)
+
+
+def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, threads: int) -> Surface:
+    """What splashsurf finds, with normals that are finite everywhere."""
+    if not len(positions):
+        return Surface.empty()
+    surface = spec.surface
+    smoothing = surface.smoothing
+    found, _ = pysplashsurf.reconstruction_pipeline(
+        positions,
+        attributes_to_interpolate={"velocity": velocities},
+        particle_radius=spec.particle_radius,
+        rest_density=spec.rest_density,
+        smoothing_length=surface.smoothing_length,
+        cube_size=surface.cube_size,
+        iso_surface_threshold=surface.surface_threshold,
+        multi_threading=threads > 1,
+        mesh_smoothing_iters=smoothing.iterations or None,
+        mesh_smoothing_weights=smoothing.weighted and smoothing.iterations > 0,
+        mesh_smoothing_weights_normalization=smoothing.normalization,
+        mesh_cleanup=surface.cleanup.enabled,
+        mesh_cleanup_snap_dist=surface.cleanup.snap_distance,
+        decimate_barnacles=surface.cleanup.decimate_barnacles,
+        compute_normals=True,
+        sph_normals=surface.normals.source == "particles",
+        normals_smoothing_iters=surface.normals.smoothing_iterations or None,
+    )
+    attributes = found.point_attributes
+    vertices = np.asarray(found.mesh.vertices, np.float32)
+    triangles = np.asarray(found.mesh.triangles).astype(np.int32)
+    normals = _finite(np.asarray(attributes["normals"], np.float32), vertices, triangles)
+    return Surface(vertices, normals, np.asarray(attributes["velocity"], np.float32), triangles)
+
+
+def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """`normals` with those that splashsurf could not find, where triangles have no area, taken from the faces around:
+    first weighted by area, then from vertices beside, at last upwards."""
+    bad = ~np.isfinite(normals).all(axis=1)
+    if not bad.any():
+        return normals
+    corners = vertices[triangles].astype(np.float64)
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    from_faces = np.zeros(vertices.shape)
+    for corner in range(3):
+        np.add.at(from_faces, triangles[:, corner], areas)
+    beside = np.zeros(vertices.shape)
+    for corner in range(3):
+        np.add.at(beside, triangles[:, corner], from_faces[triangles].sum(axis=1))
+    repaired = normals.copy()
+    for candidate in (np.array([0.0, 1.0, 0.0]) + np.zeros(vertices.shape), beside, from_faces):
+        length = np.linalg.norm(candidate, axis=1)
+        use = bad & (length > np.finfo(np.float32).tiny)
+        repaired[use] = candidate[use] / length[use, None]
+    return repaired
