@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.rigid.model import RigidPart
+    from sim.rigid.model import RigidModel
 
 G = 9.81
 
@@ -33,7 +33,7 @@ def turn(axis: tuple[float, float, float], radians: float) -> list[dict[str, Any
 
 def part(
     bodies: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **rigid: Any
-) -> RigidPart:
+) -> RigidModel:
     """The bodies, in the order given but for planes, which come last."""
     from sim.device import runtime
 
@@ -41,15 +41,15 @@ def part(
     from sim.bodies.obstacles import find_obstacles
     from sim.rigid.assemble import assemble
     from sim.rigid.body import RigidState
-    from sim.rigid.model import RigidPart
+    from sim.rigid.model import RigidModel
     from sim.spec import SimulationSpec
 
     spec = SimulationSpec.model_validate({"gravity": gravity, "fps": 24, "rigid": {"bodies": bodies, **rigid}})
     made = assemble(spec, find_obstacles(spec, Path()))
-    return RigidPart(made, np.array(gravity), spec.rigid, RigidState())
+    return RigidModel(made, np.array(gravity), spec.rigid, RigidState())
 
 
-def bounces(part: RigidPart, seconds: float, below: float) -> list[float]:
+def bounces(part: RigidModel, seconds: float, below: float) -> list[float]:
     """How high [m] the first body's lowest point, `below` [m] its centre, comes after each time that it has met
     something, in a time [s]."""
     tops, before = [], [0.0, -1.0]
@@ -64,7 +64,7 @@ def bounces(part: RigidPart, seconds: float, below: float) -> list[float]:
     return tops
 
 
-def step(part: RigidPart, seconds: float, each: Callable[[float], None] | None = None, dt: float | None = None) -> int:
+def step(part: RigidModel, seconds: float, each: Callable[[float], None] | None = None, dt: float | None = None) -> int:
     """Step for a time [s], by `dt` [s] or as long as limits allow; calls `each` with the time; returns the number."""
     time, steps = 0.0, 0
     while time < seconds - 1e-12:
@@ -78,7 +78,7 @@ def step(part: RigidPart, seconds: float, each: Callable[[float], None] | None =
     return steps
 
 
-def tilt(part: RigidPart, index: int = 0) -> float:
+def tilt(part: RigidModel, index: int = 0) -> float:
     """The angle [rad] between a body's own y axis and the vertical."""
     axis = part.movement(index).rotation @ part.bodies[index].shape.turn @ np.array([0.0, 1.0, 0.0])
     return float(np.arccos(np.clip(axis[1], -1, 1)))

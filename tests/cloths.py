@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.cloth.model import ClothPart
+    from sim.cloth.model import ClothModel
 
 G = 9.81
 INTEGRATORS = ("implicit_euler", "symplectic_euler", "xpbd")
@@ -29,20 +29,20 @@ def rope(length: float, cells: int, **settings: Any) -> dict[str, Any]:
 
 def part(
     sheets: dict[str, Any], *, gravity: tuple[float, float, float] = (0, -G, 0), threads: int = 1, **cloth: Any
-) -> ClothPart:
+) -> ClothModel:
     """The sheets of a scene as placed; `cloth` are the settings beside them."""
     from sim.device import runtime
 
     runtime.start(threads=threads, arch="cpu")
     from sim.cloth.fabric.state import ClothState
-    from sim.cloth.model import ClothPart, find_sheets
+    from sim.cloth.model import ClothModel, find_sheets
     from sim.cloth.spec import Cloth
 
     settings = Cloth.model_validate({"sheets": sheets, **cloth})
-    return ClothPart(find_sheets(settings, Path()), np.array(gravity), settings, ClothState(), 0.0)
+    return ClothModel(find_sheets(settings, Path()), np.array(gravity), settings, ClothState(), 0.0)
 
 
-def step(part: ClothPart, seconds: float, dt: float, each: Callable[[float], None] | None = None) -> None:
+def step(part: ClothModel, seconds: float, dt: float, each: Callable[[float], None] | None = None) -> None:
     """Step for a time [s] by dt [s]; calls `each` with the time after each step."""
     for k in range(1, round(seconds / dt) + 1):
         part.advance(dt, k * dt)
@@ -50,12 +50,12 @@ def step(part: ClothPart, seconds: float, dt: float, each: Callable[[float], Non
             each(k * dt)
 
 
-def places(part: ClothPart, name: str | None = None) -> np.ndarray:
+def places(part: ClothModel, name: str | None = None) -> np.ndarray:
     """Positions of the points of a sheet, or of the first [m], shape [n, 3]."""
     return part.vertices(name or part.sheets[0].name)[0]
 
 
-def set_motion(part: ClothPart, *, position: np.ndarray | None = None, velocity: np.ndarray | None = None) -> None:
+def set_motion(part: ClothModel, *, position: np.ndarray | None = None, velocity: np.ndarray | None = None) -> None:
     """Put all points elsewhere [m], or let them move [m/s], shape [n, 3]."""
     if position is not None:
         part.mesh.points.position.from_numpy(np.ascontiguousarray(position, dtype=np.float64))

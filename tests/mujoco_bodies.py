@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.rigid.model import RigidPart
+    from sim.rigid.model import RigidModel
 
 OPTIONS = 'gravity="{gravity}" integrator="implicitfast" cone="elliptic" impratio="10" tolerance="1e-10"'
 """A round cone of friction, ten times as stiff across as along the normal: else bodies at rest creep."""
@@ -24,7 +24,7 @@ def text(numbers: Any) -> str:
     return " ".join(repr(float(x)) for x in np.atleast_1d(numbers))
 
 
-def document(bodies: dict[str, Any], part: RigidPart, floor_friction: float, timestep: float) -> str:
+def document(bodies: dict[str, Any], part: RigidModel, floor_friction: float, timestep: float) -> str:
     """The scene in MuJoCo's own language; of `part` come masses, places, turns and velocities.
 
     MuJoCo takes the greater friction of two surfaces, but here always the plane's where there is one.
@@ -51,7 +51,7 @@ def document(bodies: dict[str, Any], part: RigidPart, floor_friction: float, tim
 class MuJoCo:
     """Bodies that are at rest at first; planes have to be the last of `bodies`."""
 
-    def __init__(self, bodies: dict[str, Any], part: RigidPart, floor_friction: float, timestep: float = 1e-3):
+    def __init__(self, bodies: dict[str, Any], part: RigidModel, floor_friction: float, timestep: float = 1e-3):
         self.model = mujoco.MjModel.from_xml_string(document(bodies, part, floor_friction, timestep))
         self.data = mujoco.MjData(self.model)
 

@@ -75,10 +75,10 @@ def _started(options: dict[str, Any]) -> Iterator[None]:
 def _displaced(seed: int) -> Iterator[None]:
     """Fluid, cloth and rigid bodies begin elsewhere by SHARE, the same way each time."""
     import sim.cloth.model
-    from sim.rigid.model import RigidPart
+    from sim.rigid.model import RigidModel
     from sim.run.world import World
 
-    pour, begin, place = World.pour, sim.cloth.model._begin, RigidPart._place
+    pour, begin, place = World.pour, sim.cloth.model._begin, RigidModel._place
 
     def poured(world: World, state: Any, *given: Any) -> Any:
         found = pour(world, state, *given)
@@ -91,7 +91,7 @@ def _displaced(seed: int) -> Iterator[None]:
             return places, velocity
         return places + ~item.held[:, None] * _shifts(places, np.ptp(places, axis=0).max(), seed), velocity
 
-    def placed(part: RigidPart, state: Any) -> None:
+    def placed(part: RigidModel, state: Any) -> None:
         place(part, state)
         new = part.free & [body.name not in state.names for body in part.bodies]
         part.position[new] += _shifts(part.position[new], part.size[new, None], seed)
@@ -99,7 +99,7 @@ def _displaced(seed: int) -> Iterator[None]:
     with (
         mock.patch.object(World, "pour", poured),
         mock.patch.object(sim.cloth.model, "_begin", begun),
-        mock.patch.object(RigidPart, "_place", placed),
+        mock.patch.object(RigidModel, "_place", placed),
     ):
         yield
 

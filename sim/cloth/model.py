@@ -62,7 +62,7 @@ def find_sheets(cloth: Cloth, folder: Path) -> list[PlacedSheet]:
     return found
 
 
-class ClothPart:
+class ClothModel:
     """Sheets that move; those in `state` go on from there, others begin as placed."""
 
     def __init__(
@@ -153,11 +153,11 @@ class ClothPart:
             put(len(aims), self._led, aims, self.mesh.place)
         self.mesh.air.update(self.mesh)
 
-    def note(self, told: dict[str, float]) -> dict[str, float]:
+    def note(self, stats: dict[str, float]) -> dict[str, float]:
         """Remember of what the integrator tells whether solids leave no room, and whether it found a solution."""
-        self.stuck = int(told.get("cloth_stuck", 0))
-        self.unsolved = told.get("cloth_unsolved", 0) > 0
-        return told
+        self.stuck = int(stats.get("cloth_stuck", 0))
+        self.unsolved = stats.get("cloth_unsolved", 0) > 0
+        return stats
 
     def leave_fluid(self) -> None:
         """Feel nothing more of what fluid did in the last step: there is none now."""

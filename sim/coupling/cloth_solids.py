@@ -20,8 +20,8 @@ from sim.rigid.spec import Contact
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
-    from sim.cloth.model import ClothPart
-    from sim.rigid.model import RigidPart
+    from sim.cloth.model import ClothModel
+    from sim.rigid.model import RigidModel
 
 MATERIALS = ("cloth",)
 """Of a scene, for this to be loaded."""
@@ -56,14 +56,14 @@ def places(obstacles: Obstacles, time: float) -> np.ndarray:
     return np.concatenate(found)
 
 
-def ahead(cloth: ClothPart, rigid: RigidPart, dt: float) -> Bodies:
+def ahead(cloth: ClothModel, rigid: RigidModel, dt: float) -> Bodies:
     """Bodies where a step of dt [s] took them that the cloth has not changed yet."""
     loose = cloth.solids.loose
     inertia = np.linalg.inv(rigid.mobility(rigid.motions()[loose, :9].reshape(-1, 3, 3), np.array(loose, int)))
     return Bodies(rigid.position[loose], rigid.mass[loose], inertia, rigid.lag[loose], _meetings(loose, rigid, dt))
 
 
-def _meetings(loose: list[int], rigid: RigidPart, dt: float) -> Meetings:
+def _meetings(loose: list[int], rigid: RigidModel, dt: float) -> Meetings:
     """Where bodies touch one another and other solids."""
     met = rigid.meetings(dt)
     if met is None:
@@ -74,11 +74,11 @@ def _meetings(loose: list[int], rigid: RigidPart, dt: float) -> Meetings:
     return Meetings(row[pair], place[:, None] - rigid.position[pair], *others)
 
 
-def push(cloth: ClothPart, rigid: RigidPart, dt: float) -> None:
+def push(cloth: ClothModel, rigid: RigidModel, dt: float) -> None:
     """Let bodies give way to the cloth as it found in a step of dt [s]."""
     collisions, bodies = cloth.collisions, cloth.collisions.loose
     loose = np.array(cloth.solids.loose)
-    rigid.give_way(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.ways())
+    rigid.add_response(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.displacements())
     rigid.rebound(dt, loose, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
 
 

@@ -16,63 +16,63 @@ class Together:
 
     def __init__(self, parts: Sequence[Bodies]):
         self.parts = parts
-        self.lightness = max(part.lightness for part in parts)
+        self.layer_mass_ratio = max(part.layer_mass_ratio for part in parts)
 
     def list(self) -> None:
         for part in self.parts:
             part.list()
 
-    def hear(self, momentum: Momentum) -> None:
+    def gather_forces(self, momentum: Momentum) -> None:
         for part in self.parts:
-            part.hear(momentum)
+            part.gather_forces(momentum)
 
-    def foresee(self, dt: float) -> None:
+    def predict(self, dt: float) -> None:
         for part in self.parts:
-            part.foresee(dt)
+            part.predict(dt)
 
-    def expect(self, dt: float) -> None:
+    def subtract_predicted(self, dt: float) -> None:
         for part in self.parts:
-            part.expect(dt)
+            part.subtract_predicted(dt)
 
-    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+    def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         for part in self.parts:
-            part.answer(ahead, beside_expected=beside_expected)
+            part.respond(ahead, beside_expected=beside_expected)
 
-    def press(self, ahead: float) -> None:
+    def gather_pressures(self, ahead: float) -> None:
         for part in self.parts:
-            part.press(ahead)
+            part.gather_pressures(ahead)
 
-    def take(self, dt: float) -> None:
+    def apply(self, dt: float) -> None:
         for part in self.parts:
-            part.take(dt)
+            part.apply(dt)
 
-    def hold(self, dt: float) -> None:
+    def hold_along_surfaces(self, dt: float) -> None:
         for part in self.parts:
-            part.hold(dt)
+            part.hold_along_surfaces(dt)
 
-    def undo(self, dt: float) -> None:
+    def revert(self, dt: float) -> None:
         for part in self.parts:
-            part.undo(dt)
+            part.revert(dt)
 
-    def settle(self, dt: float) -> dict[str, float]:
-        told = {}
+    def commit(self, dt: float) -> dict[str, float]:
+        stats = {}
         for part in self.parts:
-            told |= part.settle(dt)
-        return told
+            stats |= part.commit(dt)
+        return stats
 
     def drift(self, dt: float) -> dict[str, float]:
-        told = {}
+        stats = {}
         for part in self.parts:
-            told |= part.drift(dt)
-        return told
+            stats |= part.drift(dt)
+        return stats
 
-    def strike(self, dt: float, momentum: Momentum) -> None:
+    def kick(self, dt: float, momentum: Momentum) -> None:
         for part in self.parts:
-            part.strike(dt, momentum)
+            part.kick(dt, momentum)
 
-    def hold_off(self, dt: float) -> None:
+    def prevent_penetration(self, dt: float) -> None:
         for part in self.parts:
-            part.hold_off(dt)
+            part.prevent_penetration(dt)
 
     @property
     def bytes(self) -> int:

@@ -106,7 +106,7 @@ def _radius_for(count: int, fluid: Fluid) -> float:
     return fluid.particle_radius * (count / fluid.max_particles) ** (1 / 3)
 
 
-class FluidPart:
+class FluidModel:
     """Particles, surroundings and solver, built for one number of particles.
 
     `drop` is the greatest height [m] the fluid can fall, `fastest` the greatest speed [m/s] at the start, or of a body

@@ -91,55 +91,55 @@ class ViscousDrag(Protocol):
 class Bodies(Protocol):
     """What the fluid moves, bodies or cloth, as solvers talk with it in the course of a step dt [s]."""
 
-    lightness: float
+    layer_mass_ratio: float
     """Mass of the fluid's layer around it over its own, where it is lightest."""
 
     def list(self) -> None:
         """Find what of them is near the particles, as the particles' lists are made."""
 
-    def hear(self, momentum: "Momentum") -> None:
+    def gather_forces(self, momentum: "Momentum") -> None:
         """Note the forces that positions and velocities give, to act in the step."""
 
-    def foresee(self, dt: float) -> None:
+    def predict(self, dt: float) -> None:
         """Bring them to where they will be after the step, by what is known before its pressures."""
 
-    def expect(self, dt: float) -> None:
+    def subtract_predicted(self, dt: float) -> None:
         """Take from the source of the pressures what has been foreseen by those of the last step."""
 
-    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
-        """Find what gives way to the pressures in position.w, and leave in push.w by how much that lowers the second
-        derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be `ahead` [s].
-        `beside_expected`: but for what has been foreseen."""
+    def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
+        """Find what gives way to the pressures in position.w, and leave in pressure_acceleration.w by how much that
+        lowers the second derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be
+        `ahead` [s]. `beside_expected`: but for what has been foreseen."""
 
-    def press(self, ahead: float) -> None:
+    def gather_pressures(self, ahead: float) -> None:
         """Note the forces of the pressures found, which are in search.x."""
 
     def viscous_drag(self) -> ViscousDrag:
         """Their part in the equations of implicit viscosity."""
 
-    def slow(self, dt: float, change: np.ndarray) -> None:
+    def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""
 
-    def take(self, dt: float) -> None:
+    def apply(self, dt: float) -> None:
         """Let the forces noted last act in the step, and move what they act on to where they take it."""
 
-    def hold(self, dt: float) -> None:
+    def hold_along_surfaces(self, dt: float) -> None:
         """Let what is held along surfaces by the pressures in position.w act in the step, in place of what the last
         step held."""
 
-    def undo(self, dt: float) -> None:
+    def revert(self, dt: float) -> None:
         """Take back what was taken last."""
 
-    def settle(self, dt: float) -> dict[str, float]:
+    def commit(self, dt: float) -> dict[str, float]:
         """Make the step with what was noted and taken; returns its statistics."""
 
     def drift(self, dt: float) -> dict[str, float]:
         """Make the step with half of the last forces; returns its statistics."""
 
-    def strike(self, dt: float, momentum: "Momentum") -> None:
+    def kick(self, dt: float, momentum: "Momentum") -> None:
         """Change velocities by half of the forces that positions and velocities give now, and remember them."""
 
-    def hold_off(self, dt: float) -> None:
+    def prevent_penetration(self, dt: float) -> None:
         """Keep particles that have gone dt [s] with their velocities on their side of what is thin."""
 
     @property
@@ -176,7 +176,7 @@ class FluidSystem:
         self._fall = float(np.linalg.norm(gravity)) * spec.spacing
         self._alone = 1.0 - self.mass * float(cubic_host(np.zeros(1), self.h)[0]) / spec.rest_density
         """What solids add to a particle alone at rest, over the rest density."""
-        self._way_left = 0.0
+        self._distance_left = 0.0
         self._listed = self._noted = False
         """Whether solids are listed as they are after a checkpoint, and whether it is known what they were before."""
         self.remembers = hasattr(self.particles, "pressed")
@@ -211,20 +211,20 @@ class FluidSystem:
     def begin_frame(self) -> bool:
         """Choose the hash by the present count and forget the neighbours and what else is not saved, so that a run that
         goes on from a checkpoint does the same; returns whether particles have to be sorted anew before all else."""
-        self._way_left = 0.0
+        self._distance_left = 0.0
         self._listed = self._listed and self._skin == 0
         self.forgetful = True
         return self.grid.fit(self.count)
 
-    def exchange(self, dt: float, way: float = float("inf")) -> None:
-        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet; `way`: how far
-        [m] any of them has moved in it at most."""
-        self._noted = self.boundary.shapes.meshes and self._listed and self._way_left <= way
+    def exchange(self, dt: float, distance: float = float("inf")) -> None:
+        """Let particles come and go, at the positions after a step dt [s] of which nothing is known yet; `distance`:
+        how far [m] any of them has moved in it at most."""
+        self._noted = self.boundary.shapes.meshes and self._listed and self._distance_left <= distance
         if self._noted:
             self.meet(pulls=False)
             self.boundary.faces.note(self.count, self.particles.known)
         if self.flow and self.flow.exchange(dt):
-            self._way_left = 0.0
+            self._distance_left = 0.0
             self.forgetful = True
 
     def lead(self) -> None:
@@ -257,22 +257,22 @@ class FluidSystem:
             pulls=pulls,
         )
 
-    def find_neighbors(self, way: float = float("inf"), dt: float = 0.0) -> None:
+    def find_neighbors(self, distance: float = float("inf"), dt: float = 0.0) -> None:
         """Sort the particles by cell, list their neighbours, of the fluid and of the boundary, and find what solids are
         to them where all are now.
 
-        `way`: how far [m] any of them has moved at most since the last call, `dt` [s] before; lists are kept while they
-        hold all pairs.
+        `distance`: how far [m] any of them has moved at most since the last call, `dt` [s] before; lists are kept while
+        they hold all pairs.
         """
-        self._way_left -= way
+        self._distance_left -= distance
         if not self.count:
             if self.bodies:
                 self.bodies.list()
             return
-        if self._way_left > 0:
+        if self._distance_left > 0:
             self.meet(since=dt)
             return
-        self._way_left = self._skin / 2
+        self._distance_left = self._skin / 2
         self.particles.reorder(self.grid.sort(self.particles.position, self.count))
         position = self.particles.position
         self.neighbors.build(position, self.count, self.grid, position, same=True)
@@ -293,8 +293,8 @@ class FluidSystem:
         """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
         return self.particles.numpy("position")[:, 3].astype(np.float64)
 
-    def measure(self, way: float, speed_limit: float, level: float, depth: float) -> Measure:
-        """Extremes, sums and error counts, in a fixed order of summation; the pace is for `way` [m].
+    def measure(self, distance: float, speed_limit: float, level: float, depth: float) -> Measure:
+        """Extremes, sums and error counts, in a fixed order of summation; the pace is for `distance` [m].
 
         A particle is too fast above `speed_limit` [m/s], unless it gained the speed by falling from
         where gravity's potential is `level` [m^2/s^2]. It has no pace where it falls alone under there, and has fallen
@@ -318,7 +318,7 @@ class FluidSystem:
             self._alone,
             self.h / 2,
             vec3(*self.gravity),
-            way,
+            distance,
             speed_limit,
             level,
             depth,
@@ -375,7 +375,7 @@ def _measure(
     alone: real,
     deepest: real,
     gravity: vec3,
-    way: real,
+    distance: real,
     speed_limit: real,
     level: real,
     depth: real,
@@ -391,7 +391,7 @@ def _measure(
             row[1] = ti.max(row[1], a2)
             fallen = gravity.dot(x.xyz) + level
             if near[i] > 0 or solids_near[i] > 0 or fallen <= deepest * gravity.norm():
-                row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + way * ti.sqrt(a2)))
+                row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + distance * ti.sqrt(a2)))
                 row[18] += 1.0
                 row[19] += ti.cast(fallen, ti.f64)
                 row[20] += ti.cast(fallen, ti.f64) ** 2

@@ -43,28 +43,29 @@ def tension_limit(half: float, fluid: Fluid) -> float:
     return TENSION_STEP[fluid.surface_tension_model] * capillary_limit(half, tension, fluid.rest_density)
 
 
-def way_limit(way: float, pace: float) -> float:
-    """The step [s] in which a particle at most goes the `way` [m]: at the `pace` [m/s] that was measured for it."""
-    return way / pace if pace > 0 else math.inf
+def displacement_limit(distance: float, pace: float) -> float:
+    """The step [s] in which a particle at most goes the `distance` [m]: at the `pace` [m/s] that was measured for
+    it."""
+    return distance / pace if pace > 0 else math.inf
 
 
-def pressure_limit(way: float, pressure: float, density: float) -> float:
-    """The step [s] in which sqrt(p / rho) goes 1.25 times the `way` [m]; pressure [Pa].
+def pressure_limit(distance: float, pressure: float, density: float) -> float:
+    """The step [s] in which sqrt(p / rho) goes 1.25 times the `distance` [m]; pressure [Pa].
 
     Under a pressure p, particles of a lattice swing about their places, however pressures are found. The fastest wave
     that keeps densities is as short as two spacings; its frequency is 2.92 sqrt(p / rho) over the spacing
     (`tests/verification/test_pressed_lattice.py`), so that symplectic Euler is stable up to 0.69 spacings of
     sqrt(p / rho) in a step. The CFL number 0.4 makes that 0.5.
     """
-    return 1.25 * way * math.sqrt(density / pressure) if pressure > 0 else math.inf
+    return 1.25 * distance * math.sqrt(density / pressure) if pressure > 0 else math.inf
 
 
 LIGHT = 25.0
 """From here on pressure throws bodies back in a step of sound: half of what was found with boxes and plates."""
 
 
-def light_limit(signal: float, lightness: float) -> float:
+def light_limit(signal: float, layer_mass_ratio: float) -> float:
     """The step [s], of `signal` [s] for sound, in which pressures that follow from positions do not throw about a body
-    whose layer of fluid has `lightness` times its mass: stiffness is the layer's, so that frequencies grow by the
-    square root of the ratio."""
-    return signal / math.sqrt(1.0 + lightness / LIGHT)
+    whose layer of fluid has `layer_mass_ratio` times its mass: stiffness is the layer's, so that frequencies grow by
+    the square root of the ratio."""
+    return signal / math.sqrt(1.0 + layer_mass_ratio / LIGHT)

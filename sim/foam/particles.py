@@ -88,8 +88,8 @@ def moved(
     kept = math.exp(-step / foam.relaxation_time)
     later = np.where(flying, velocity + step * gravity, np.where(rising, steady + kept * (velocity - steady), carried))
     caught_up = step * steady + foam.relaxation_time * (1 - kept) * (velocity - steady)
-    way = np.where(flying, 0.5 * step * (velocity + later), np.where(rising, caught_up, step * carried))
-    position, later, touching = held(position + way, later, spec.walls, bodies)
+    distance = np.where(flying, 0.5 * step * (velocity + later), np.where(rising, caught_up, step * carried))
+    position, later, touching = held(position + distance, later, spec.walls, bodies)
     ages = floating[:, 0] | (flying[:, 0] & touching)
     points["kind"] = kind
     points["life"] -= np.where(ages, step, 0.0).astype(np.float32)

@@ -52,7 +52,7 @@ KEPT = ("position", "rotation", "velocity", "momentum", "late", "fluid_force", "
 """What a state has of each free body."""
 
 
-class RigidPart:
+class RigidModel:
     """All bodies and walls of a world: those that obey forces, and those that they meet.
 
     bodies: planes last; settings: of the solver. Positions are in world coordinates, of the bodies' pivots.
@@ -76,7 +76,7 @@ class RigidPart:
         self.free = np.array([body.mass is not None for body in bodies])
         self.mass = np.array([body.mass.mass if body.mass else np.inf for body in bodies])
         self.size = np.array([body.size for body in bodies])
-        self.told: dict[str, float] = {}
+        self.stats: dict[str, float] = {}
         self._surfaces = Surfaces(bodies, settings.pairs)
         self._shapes = shapes(bodies)
         self._kinds = sum({1 << body.shape.kind for body in bodies})
@@ -171,7 +171,7 @@ class RigidPart:
         else:
             self._known = np.zeros((0, 2), np.int32), np.zeros((0, 3)), np.zeros((0, 3))
         self.land(movements)
-        return self.told
+        return self.stats
 
     def release(self, bodies: Collection[int]) -> None:
         """Bring what touches one of `bodies`, or hangs together with what does, to the present, by the forces of the
@@ -189,7 +189,7 @@ class RigidPart:
         self.late[chosen] = 0.0
         self._turn()
 
-    def foresee(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
+    def predict(self, dt: float, movements: Mapping[int, Movement]) -> np.ndarray:
         """Where `advance` would take bodies, and how fast they would be: rows of `motions`."""
         kept = [values.copy() for values in self._moving]
         self._move(dt, movements)
@@ -215,10 +215,10 @@ class RigidPart:
         """Find angular velocities, to the bit as a step leaves them: the next one depends on them."""
         free_motion.turn(self.count, self._mobile, self._inverse_inertia, self._motion)
 
-    def give_way(self, bodies: np.ndarray, impulse: np.ndarray, way: np.ndarray, turn: np.ndarray) -> None:
+    def give_way(self, bodies: np.ndarray, impulse: np.ndarray, displacement: np.ndarray, turn: np.ndarray) -> None:
         """Take bodies further by ways [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that they got
         on it."""
-        self.position[bodies] += way
+        self.position[bodies] += displacement
         turned = Rotation.from_rotvec(turn) * _rotations(self.rotation[bodies])
         self.rotation[bodies] = np.roll(turned.as_quat(), 1, axis=1)
         whole = np.zeros((self.count, 6))
@@ -271,7 +271,7 @@ class RigidPart:
 
     def _move(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Forces, contacts, and where they take bodies; what bounces and overlaps is left to do."""
-        self.told = dict.fromkeys(STATISTICS, 0)
+        self.stats = dict.fromkeys(STATISTICS, 0)
         self._steer(dt, movements)
         for k in self._drawn:
             body = self.bodies[k]
@@ -375,8 +375,8 @@ class RigidPart:
             tables.restitution,
         )
         tables.slack[:count] = np.repeat(SLACK * size, self._number)
-        self.told["contacts"] = count
-        self.told["overlap"] = max(-float(tables.gap[:count].min()), 0.0)
+        self.stats["contacts"] = count
+        self.stats["overlap"] = max(-float(tables.gap[:count].min()), 0.0)
         return count
 
     def overlaps(self) -> list[tuple[str, str, float]]:
@@ -395,12 +395,12 @@ class RigidPart:
 
     def _near(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of bodies that may touch within the step, sorted, and how far off contacts are looked for [m]."""
-        way = dt * (np.linalg.norm(self.velocity, axis=1) + self._reach * np.linalg.norm(self.spin, axis=1))
+        displacement = dt * (np.linalg.norm(self.velocity, axis=1) + self._reach * np.linalg.norm(self.spin, axis=1))
         skin = SKIN * self.size
-        pairs = self.near((way + skin)[: self._solids, None])
+        pairs = self.near((displacement + skin)[: self._solids, None])
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
         a, b = pairs.T
-        return pairs, way[a] + way[b] + np.minimum(skin[a], skin[b])
+        return pairs, displacement[a] + displacement[b] + np.minimum(skin[a], skin[b])
 
     def near(self, reach: np.ndarray | float) -> np.ndarray:
         """Pairs of bodies, one of them free, whose boxes would overlap if larger by `reach` [m] all around."""
@@ -420,8 +420,8 @@ class RigidPart:
 
     def _press(self) -> None:
         sweeps, change = press(self._contacts, self.settings, self.free, self._motion, self._moved, self._tables)
-        self.told["contact_iterations"], self.told["contact_error"] = sweeps, change
-        self.told["contacts_capped"] = int(change > self.settings.contact_error)
+        self.stats["contact_iterations"], self.stats["contact_error"] = sweeps, change
+        self.stats["contacts_capped"] = int(change > self.settings.contact_error)
 
     def rebound(
         self, dt: float, bodies: np.ndarray, impulse: np.ndarray, contacts: np.ndarray, force: np.ndarray

@@ -107,7 +107,7 @@ def _of_bodies(world: World) -> Limits:
     began = [(item.size, item.motion.now) for item in world.obstacles.dynamic.values()]
     pace = max(float(np.linalg.norm(now.velocity)) / size for size, now in began)
     spin = max(float(np.linalg.norm(now.angular_velocity)) for _, now in began)
-    named = {"rigid step": "rigid.max_step", "spin": "the spin of a body", "way": "the speed of a body"}
+    named = {"rigid step": "rigid.max_step", "spin": "the spin of a body", "travel": "the speed of a body"}
     return {named[term]: limit for term, limit in step_limits(world.spec.rigid.max_step, pace, spin).items()}
 
 

@@ -95,9 +95,9 @@ class Output:
         wall: float,
         world: World,
         measure: Measure | None,
-        told: dict[str, float],
+        stats: dict[str, float],
     ) -> None:
-        """One row of steps.csv: energies in J, density errors as shares of the rest density; `told` by the solver."""
+        """One row of steps.csv: energies in J, density errors as shares of the rest density; `stats` by the solver."""
         row = [step, time, dt, wall]
         if measure is not None:
             count = world.fluid.count
@@ -109,16 +109,16 @@ class Output:
                 measure.kinetic_energy,
                 world.fluid.potential_energy(measure) if count else 0.0,
             ]
-            row += [told.get(name, 0) for name in self._statistics]
+            row += [stats.get(name, 0) for name in self._statistics]
         if self._contact_statistics:
             rigid = world.rigid.measure() if world.rigid else None
             row += [rigid.kinetic_energy, rigid.potential_energy] if rigid else [0.0, 0.0]
-            row += [told.get(name, 0) for name in self._contact_statistics]
+            row += [stats.get(name, 0) for name in self._contact_statistics]
         if self._cloth_statistics:
             cloth = world.cloth.measure() if world.cloth else None
             row += [cloth.kinetic_energy, cloth.potential_energy, cloth.elastic_energy] if cloth else [0.0] * 3
             row += [cloth.stretch_max if cloth else 0.0]
-            row += [told.get(name, 0) for name in self._cloth_statistics]
+            row += [stats.get(name, 0) for name in self._cloth_statistics]
         self.steps.add(*row)
 
     def frame(self, frame: int, time: float, world: World) -> None:

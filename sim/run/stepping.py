@@ -253,7 +253,7 @@ class Run:
         self._open_from = max(settled, self.clock.time + (2 if even else 1) * longest + ROUNDING)
         after = target if dt == rest else self.clock.time + dt
         with self.stopwatch.phase("stepping"):
-            told = self.world.advance(dt, after)
+            stats = self.world.advance(dt, after)
             self.measure = self.world.measure()
         self.clock.time = after
         self.clock.last_step = wanted
@@ -264,19 +264,19 @@ class Run:
             return fault
         self.steps_taken += 1
         self.particle_steps += self.world.fluid.count if self.world.fluid else 0
-        self._count(told)
-        output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, told)
+        self._count(stats)
+        output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, stats)
         self._sample(output)
         return None
 
-    def _count(self, told: dict[str, float]) -> None:
-        self.counts.steps_capped += int(told.get("capped", 0) > 0)
-        self.counts.pressure_capped += int(told.get("capped", 0) > told.get("viscosity_capped", 0))
-        self.counts.viscosity_capped += int(told.get("viscosity_capped", 0) > 0)
-        self.counts.particles_held_off += int(told.get("held_off", 0))
-        self.counts.contacts_capped += int(told.get("contacts_capped", 0) > 0)
-        self.counts.cloth_capped += int(told.get("cloth_capped", 0) > 0)
-        self.counts.cloth_held_back += int(told.get("cloth_held_back", 0))
+    def _count(self, stats: dict[str, float]) -> None:
+        self.counts.steps_capped += int(stats.get("capped", 0) > 0)
+        self.counts.pressure_capped += int(stats.get("capped", 0) > stats.get("viscosity_capped", 0))
+        self.counts.viscosity_capped += int(stats.get("viscosity_capped", 0) > 0)
+        self.counts.particles_held_off += int(stats.get("held_off", 0))
+        self.counts.contacts_capped += int(stats.get("contacts_capped", 0) > 0)
+        self.counts.cloth_capped += int(stats.get("cloth_capped", 0) > 0)
+        self.counts.cloth_held_back += int(stats.get("cloth_held_back", 0))
 
     def _target(self, until: float) -> float:
         """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""

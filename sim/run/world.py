@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sim.cloth.contact.dynamic_solids import Bodies
     from sim.cloth.contact.solids import Solids
     from sim.cloth.fabric.state import ClothState
-    from sim.cloth.model import ClothPart, PlacedSheet
+    from sim.cloth.model import ClothModel, PlacedSheet
     from sim.cloth.untangling.untangle import Untangled
     from sim.coupling.fluid_cloth.sheet_samples import SheetSamples
     from sim.coupling.fluid_cloth.wet_cloth import WetCloth
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from sim.fluid.inflow.drains import Sink
     from sim.fluid.inflow.emitters import Outlet
     from sim.fluid.inflow.flow import Flow
-    from sim.fluid.model import FluidPart, FluidState
+    from sim.fluid.model import FluidModel, FluidState
     from sim.fluid.seeding.sources import Source
     from sim.fluid.seeding.volumes import Volume
     from sim.fluid.system import Measure
     from sim.rigid.body import RigidState
-    from sim.rigid.model import RigidPart
+    from sim.rigid.model import RigidModel
 
 LEAST_DEPTH = 5.0
 """What falls is in the scene for this way under everything at least [m]: about a second."""
@@ -103,11 +103,11 @@ class World:
         self.bounds = action_bounds([*self.sources, *self.outlets, *self.sheets], self.obstacles)
         self._refuse_remote()
         self.origin = self.bounds.mean(axis=0) if origin is None else np.asarray(origin)
-        self.fluid: FluidPart | None = None
+        self.fluid: FluidModel | None = None
         self.flow: Flow | None = None
-        self.rigid: RigidPart | None = None
+        self.rigid: RigidModel | None = None
         self.floating: Floating | None = None
-        self.cloth: ClothPart | None = None
+        self.cloth: ClothModel | None = None
         self.wet_cloth: WetCloth | None = None
         self._rigid_state = rigid_state
         self._cloth_state = cloth_state
@@ -173,10 +173,10 @@ class World:
             self._leave_fluid()
             return
         from sim.coupling.fluid_solids import boundary_solids
-        from sim.fluid.model import FluidPart, Surroundings
+        from sim.fluid.model import FluidModel, Surroundings
 
         fluid = self.spec.fluid
-        self.fluid = FluidPart(
+        self.fluid = FluidModel(
             fluid,
             self.gravity,
             self.origin,
@@ -253,11 +253,11 @@ class World:
     def _build_rigid(self, time: float) -> None:
         from sim.rigid.assemble import assemble
         from sim.rigid.body import RigidState
-        from sim.rigid.model import RigidPart
+        from sim.rigid.model import RigidModel
 
         bodies = assemble(self.spec, self.obstacles)
         state = self._rigid_state or RigidState()
-        self.rigid = RigidPart(bodies, self.gravity, self.spec.rigid, state, bottom=self.floor - self.depth)
+        self.rigid = RigidModel(bodies, self.gravity, self.spec.rigid, state, bottom=self.floor - self.depth)
         self.rigid.land({index: item.movement(time) for index, item in self.obstacles.prescribed.items()})
         self._follow()
 
@@ -276,12 +276,12 @@ class World:
 
     def _build_cloth(self, time: float) -> None:
         from sim.cloth.fabric.state import ClothState
-        from sim.cloth.model import ClothPart
+        from sim.cloth.model import ClothModel
 
         solids = self._solids(time)
         self._untangle(solids)
         state = self._cloth_state or ClothState()
-        self.cloth = ClothPart(self.sheets, self.gravity, self.spec.cloth, state, time, solids)
+        self.cloth = ClothModel(self.sheets, self.gravity, self.spec.cloth, state, time, solids)
 
     def _solids(self, time: float) -> Solids:
         """What cloth may meet, where it is at `time` [s]."""
@@ -303,7 +303,7 @@ class World:
         match min(limits, key=limits.get):
             case "spin":
                 return f"the spin of a body ({self.rigid.measure().spin_max:.3g} rad/s)", "let it turn more slowly"
-            case "way":
+            case "travel":
                 return (
                     f"the speed of a body ({self.rigid.measure().v_max:.3g} m/s)",
                     "use lower speeds or larger bodies",
@@ -365,27 +365,27 @@ class World:
             self.rigid.release([index for index, item in prescribed.items() if item.motion.jumps(self.time)])
         moved = {index: item.movement(until) for index, item in prescribed.items()}
         together = self.fluid and self.fluid.count and self.rigid
-        told = {}
+        stats = {}
         if self.fluid and not self.fluid.count:
             self._leave_fluid()
         if self.rigid and not together:
-            told = self.rigid.advance(dt, moved)
+            stats = self.rigid.advance(dt, moved)
             self._follow()
         wet = self.wet_cloth and self.fluid.count
         if self.cloth and not wet:
-            told |= self.cloth.advance(dt, until, *self._solids_at(until, dt))
+            stats |= self.cloth.advance(dt, until, *self._solids_at(until, dt))
             if self.obstacles.dynamic:
                 self._push(dt, until)
         if self.fluid:
-            told |= self._advance_fluid(dt, until, moved)
+            stats |= self._advance_fluid(dt, until, moved)
             if wet:
-                told["cloth_held_off"] = self.wet_cloth.tightness.held_off
+                stats["cloth_held_off"] = self.wet_cloth.tightness.held_off
             boundary = self.fluid.system.boundary
-            told["held_off"], boundary.held_off = boundary.held_off, 0
+            stats["held_off"], boundary.held_off = boundary.held_off, 0
         if together:
             self._follow()
         self.time = until
-        return told
+        return stats
 
     def _leave_fluid(self) -> None:
         for part in (self.rigid, self.cloth):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sim.cloth.model import ClothPart
+from sim.cloth.model import ClothModel
 from sim.segment import main
 from tests.cloths import HANGING, INTEGRATORS, G, part, passages, places, rope, scene, sheet, step
 from tests.in_time import in_time
@@ -140,7 +140,7 @@ crumples = pytest.mark.parametrize(
 )
 
 
-def stretched(integrator: str, stiffness: float) -> ClothPart:
+def stretched(integrator: str, stiffness: float) -> ClothModel:
     """A sheet at four times its length at rest."""
     return part(
         {"sheet": square(stretch_stiffness=stiffness, rest_scale=0.25)}, integrator=integrator, gravity=(0, 0, 0)

@@ -237,7 +237,7 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.forces.surface_tension import ARRAYS, Tension
+    from sim.fluid.forces.surface_tension import ARRAYS, SurfaceTension
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
 
@@ -250,6 +250,6 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
         system = FluidSystem(spec, np.zeros(3), boundary, ARRAYS, skin)
         load(system, points[:, :3], density=RHO)
         system.find_neighbors()
-        Tension(system).accelerate()
+        SurfaceTension(system).accelerate()
         found.append(system.particles.numpy("acceleration")[np.argsort(system.particles.numpy("tag")[:, 0]), :3])
     np.testing.assert_allclose(*found, atol=1e-5 * np.abs(found[0]).max())

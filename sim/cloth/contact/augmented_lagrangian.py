@@ -87,16 +87,16 @@ def pressed(c: ti.i32, touch: ti.template(), trial: vec3) -> vec3:
 
 
 @ti.func
-def works(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3):
+def works(c: ti.i32, touch: ti.template(), trial: vec3, displacement: vec3):
     """What a contact at a trial does along a way [J], and how much less for each way more that it has gone."""
     n, k = touch.touch_normal[c], touch.hard[c]
-    along, pace, most = n.dot(trial), n.dot(way), most_grip(c, touch)
+    along, pace, most = n.dot(trial), n.dot(displacement), most_grip(c, touch)
     work, less = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
     if along > 0.0:
         work += along * pace
         less += k * pace * pace
     if most > 0.0:
-        grip, across = trial - along * n, way - pace * n
+        grip, across = trial - along * n, displacement - pace * n
         size, done = grip.norm(), grip.dot(across)
         if size > most + NOTHING:
             work += most / size * done
@@ -109,11 +109,12 @@ def works(c: ti.i32, touch: ti.template(), trial: vec3, way: vec3):
 
 @ti.func
 def touch_energy(
-    c: ti.i32, touch: ti.template(), start: ti.template(), place: ti.template(), way: ti.template()
+    c: ti.i32, touch: ti.template(), start: ti.template(), place: ti.template(), displacement: ti.template()
 ) -> ti.f64:
-    """Set the force of a contact; returns what it stores [J]. `way`: of bodies, besides the places of their points."""
+    """Set the force of a contact; returns what it stores [J]. `displacement`: of bodies, besides the places of their
+    points."""
     n, k = touch.touch_normal[c], touch.hard[c]
-    there = carried(c, touch, place) + led(c, 0, touch, way)
+    there = carried(c, touch, place) + led(c, 0, touch, displacement)
     moved = there - carried(c, touch, start)
     grip = touch.grip[c] - k * moved
     grip -= n.dot(grip) * n
@@ -144,11 +145,12 @@ def slipping(c: ti.i32, touch: ti.template()) -> vec3:
 
 
 @ti.func
-def yielding(c: ti.i32, touch: ti.template(), way: vec3) -> vec3:
-    """How much less a contact pushes after its sides have moved apart by `way` [m], if it goes on as it does."""
+def yielding(c: ti.i32, touch: ti.template(), displacement: vec3) -> vec3:
+    """How much less a contact pushes after its sides have moved apart by `displacement` [m], if it goes on as it
+    does."""
     n, t, b = touch.touch_normal[c], slipping(c, touch), touch.touch_block[c]
-    along, sliding = n.dot(way), t.dot(way)
-    return b[0] * along * n + b[1] * (way - along * n - sliding * t) + b[2] * sliding * t
+    along, sliding = n.dot(displacement), t.dot(displacement)
+    return b[0] * along * n + b[1] * (displacement - along * n - sliding * t) + b[2] * sliding * t
 
 
 @ti.kernel

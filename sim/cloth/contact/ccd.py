@@ -18,13 +18,13 @@ ENOUGH = 0.02
 @ti.func
 def span(edges: ti.template(), dp: vec3, dq: vec3, dr: vec3, ds: vec3) -> ti.f64:
     """No point of one primitive comes nearer to any of the other than by this [m], for the ways of their points."""
-    way = ti.cast(0.0, ti.f64)
+    displacement = ti.cast(0.0, ti.f64)
     if ti.static(edges):
         mean = 0.25 * (dp + dq + dr + ds)
-        way = ti.max((dp - mean).norm(), (dq - mean).norm()) + ti.max((dr - mean).norm(), (ds - mean).norm())
+        displacement = ti.max((dp - mean).norm(), (dq - mean).norm()) + ti.max((dr - mean).norm(), (ds - mean).norm())
     else:
-        way = ti.max((dp - dq).norm(), ti.max((dp - dr).norm(), (dp - ds).norm()))
-    return way
+        displacement = ti.max((dp - dq).norm(), ti.max((dp - dr).norm(), (dp - ds).norm()))
+    return displacement
 
 
 @ti.func
@@ -41,15 +41,15 @@ def time_of_nearness(
     distance: ti.f64,
 ) -> ti.f64:
     """The share of the ways after which the primitives are `distance` [m] apart or less; above 1 if they never are."""
-    way = span(edges, dp, dq, dr, ds)
+    displacement = span(edges, dp, dq, dr, ds)
     time, near, rounds = ti.cast(0.0, ti.f64), 0, 0
     while near == 0 and time <= 1.0:
         apart = nearest(edges, p + time * dp, q + time * dq, r + time * dr, s + time * ds).apart.norm()
         rounds += 1
         if apart <= (1.0 + ENOUGH) * distance or rounds > ROUNDS:
             near = 1
-        elif way * (1.0 - time) <= apart - distance:
+        elif displacement * (1.0 - time) <= apart - distance:
             time = 2.0
         else:
-            time += (apart - distance) / way
+            time += (apart - distance) / displacement
     return time

@@ -16,7 +16,7 @@ from sim.cloth.contact import augmented_lagrangian, search
 from sim.cloth.contact.crowding import SHARE as AT_REST
 from sim.cloth.contact.crowding import Crowding
 from sim.cloth.contact.dynamic_solids import LooseBodies, wrenches
-from sim.cloth.contact.impact_zones import Zones
+from sim.cloth.contact.impact_zones import ImpactZones
 from sim.cloth.contact.roundness import Roundness
 from sim.cloth.contact.search import EDGE, PLANE, POINT, Hits
 from sim.cloth.contact.surfaces import Surface, Tree
@@ -248,7 +248,7 @@ class Collisions:
             return 0, 0
         begin, there = start.to_numpy(), place.to_numpy()
         speed = velocity.to_numpy() if velocity else np.zeros_like(there)
-        zones, joined = Zones(self._free_mass(begin)), np.zeros(self.mesh.total, bool)
+        zones, joined = ImpactZones(self._free_mass(begin)), np.zeros(self.mesh.total, bool)
         for _ in range(HALVINGS):
             zone = zones.add(self.narrow)
             inside = (zone >= 0) & (zones.mass > 0)

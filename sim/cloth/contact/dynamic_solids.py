@@ -124,9 +124,9 @@ class LooseBodies:
 
     def _ways_by(self, wrench: np.ndarray) -> np.ndarray:
         """Ways [m] and turns [rad] in a step by forces [N] and torques [N m] in place of those aimed at."""
-        way = (self._gives @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
-        way[::2] += np.where(self._touched[:, None], self._lag, 0.0)
-        return way
+        displacement = (self._gives @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
+        displacement[::2] += np.where(self._touched[:, None], self._lag, 0.0)
+        return displacement
 
     def _meet(self, touching: np.ndarray) -> Meetings:
         """Find meetings of bodies that the cloth touches, and of all that hang together with them."""
@@ -170,7 +170,7 @@ class LooseBodies:
         mass = np.bincount(self._group, self.mass, self._groups)
         return float((mass / np.maximum(number, 1)).max(initial=0.0, where=number > 0))
 
-    def ways(self) -> tuple[np.ndarray, np.ndarray]:
+    def displacements(self) -> tuple[np.ndarray, np.ndarray]:
         """Of bodies ways [m] and turns [rad] from where they would have gone, both of shape [n, 3]."""
         found = self._arrays["loose_way"].to_numpy()[: 2 * self.count].reshape(-1, 2, 3)
         return found[:, 0], found[:, 1]
@@ -181,11 +181,11 @@ class LooseBodies:
 
         if not self.count:
             return self.places
-        way, turn = self.ways()
+        displacement, turn = self.displacements()
         places, mine = self.places.copy(), self.owner >= 0
         owner = self.owner[mine]
         arm = places[mine] - self._centre[owner]
-        places[mine] = self._centre[owner] + way[owner] + Rotation.from_rotvec(turn)[owner].apply(arm)
+        places[mine] = self._centre[owner] + displacement[owner] + Rotation.from_rotvec(turn)[owner].apply(arm)
         return places
 
     @property

@@ -14,7 +14,7 @@ from sim.geometry.components import groups
 
 
 @dataclass
-class Zones:
+class ImpactZones:
     """Pairs that would have passed in this step: points, shape [pairs, 4], -1 for none. `mass`: of points [kg], 0 for
     those that are fixed to something, shape [points]."""
 

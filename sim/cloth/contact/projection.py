@@ -377,10 +377,10 @@ def remember(total: ti.i32, dt: ti.f64, p: Points, speed: Vectors, ahead: Vector
 
 
 @ti.kernel
-def shift(points: ti.i32, way: Vectors, p: Points):
+def shift(points: ti.i32, displacement: Vectors, p: Points):
     """Move points by ways [m]."""
     for i in range(points):
-        p.position[i] += way[i]
+        p.position[i] += displacement[i]
 
 
 @ti.kernel

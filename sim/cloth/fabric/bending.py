@@ -35,6 +35,6 @@ def fold(p: vec3, q: vec3, r: vec3, s: vec3) -> Hinge:
 @ti.func
 def turned(angle: ti.f64, from_angle: ti.f64) -> ti.f64:
     """The shorter way from one angle to the other [rad]."""
-    way = angle - from_angle
+    displacement = angle - from_angle
     whole = ti.cast(2.0, ti.f64) * ti.acos(ti.cast(-1.0, ti.f64))
-    return way - whole * ti.round(way / whole)
+    return displacement - whole * ti.round(displacement / whole)

@@ -17,7 +17,7 @@ LONGEST = 2.0
 """Of the step before: from 1 + sqrt(2) of it on, what swings would swing more and more (Grigorieff 1983)."""
 
 
-class Past:
+class BackwardDifferences:
     """Where points were a step ago [m], how fast they were [m/s], and how long ago that is [s]; zero: not known."""
 
     def __init__(self, count: int):

@@ -63,13 +63,13 @@ def _slope(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.templat
     it bends."""
     down, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
     if touch.awake[c]:
-        way, share = touch.touch_way[c], e.scalar[SHARE]
+        displacement, share = touch.touch_way[c], e.scalar[SHARE]
         if ti.static(linear):
-            bend = way.dot(yielding(c, touch, way))
+            bend = displacement.dot(yielding(c, touch, displacement))
             down = -share * bend
         else:
-            work, less = works(c, touch, touch.touch_trial[c] - share * touch.hard[c] * way, way)
-            down, bend = work - way.dot(touch.touch_force[c]), less
+            work, less = works(c, touch, touch.touch_trial[c] - share * touch.hard[c] * displacement, displacement)
+            down, bend = work - displacement.dot(touch.touch_force[c]), less
     return vec3(down, bend, 0.0)
 
 
@@ -115,11 +115,11 @@ def _begin_to_choose(bend: ti.f64, e: ti.template()):
 def _push_on(linear: ti.template(), c: ti.i32, touch: ti.template(), e: ti.template()):
     """Go along the course with a contact; leaves by what its force changes."""
     if touch.awake[c]:
-        share, way = e.scalar[SHARE], touch.touch_way[c]
+        share, displacement = e.scalar[SHARE], touch.touch_way[c]
         if ti.static(linear):
-            touch.touch_way[c] = -share * yielding(c, touch, way)
+            touch.touch_way[c] = -share * yielding(c, touch, displacement)
         else:
-            trial = touch.touch_trial[c] - share * touch.hard[c] * way
+            trial = touch.touch_trial[c] - share * touch.hard[c] * displacement
             force = pressed(c, touch, trial)
             touch.touch_trial[c] = trial
             touch.touch_way[c] = force - touch.touch_force[c]
@@ -132,7 +132,7 @@ def _step_on(
 ) -> vec3:
     """Go along the course with a row; returns its parts of r.z, of z and the residual before, and of p.r."""
     share, before, z = e.scalar[SHARE], e.residual[i], vec3(0.0, 0.0, 0.0)
-    e.answer[i] += share * e.course[i]
+    e.response[i] += share * e.course[i]
     r = before - share * e.bent[i]
     if i >= points:
         r += on_body(i - points, touch, holds, touch.touch_way)

@@ -17,7 +17,7 @@ from sim.free_fall import OTHERS
 from sim.geometry.components import groups
 
 
-class Adrift:
+class FreePieces:
     """The pieces of a cloth, by its springs. `free`: 1 for points that are tied to no held one, shape [points]; `any`:
     whether there are such."""
 

@@ -16,8 +16,8 @@ from sim.cloth.fabric.arrays import integers, numbers
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.fabric.pin_places import put
 from sim.cloth.integrators import newton_sums
-from sim.cloth.integrators.backward_differences import Past
-from sim.cloth.integrators.free_pieces import Adrift
+from sim.cloth.integrators.backward_differences import BackwardDifferences
+from sim.cloth.integrators.free_pieces import FreePieces
 from sim.cloth.integrators.newton import Newton
 from sim.cloth.spec import Cloth
 from sim.device.double import vec3
@@ -64,9 +64,9 @@ class ImplicitEuler:
         self.gravity = vec3(*gravity)
         self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
         self.trial = self._newton.trial
-        self.past = Past(mesh.count)
+        self.past = BackwardDifferences(mesh.count)
         self._start = mesh.points.position
-        self._adrift = Adrift(mesh)
+        self._adrift = FreePieces(mesh)
         self._solids = integers(np.arange(mesh.count, mesh.total))
         self._pushed = False
         """Whether others act on points in the step."""
@@ -78,10 +78,10 @@ class ImplicitEuler:
 
     def advance(self, dt: float) -> dict[str, float]:
         """Step by dt [s]; returns the STATISTICS."""
-        self.foresee(dt)
-        return self.settle(dt)
+        self.predict(dt)
+        return self.commit(dt)
 
-    def foresee(self, dt: float, load: ti.Ndarray | None = None) -> None:
+    def predict(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
         self._pushed = load is not None
         if not self._pushed and self._foresee_alone(dt):
@@ -147,7 +147,7 @@ class ImplicitEuler:
         """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
         return self._newton.give_way(load, GIVING_WAY)
 
-    def settle(self, dt: float) -> dict[str, float]:
+    def commit(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
         back = self._fall_back(dt)

@@ -70,7 +70,7 @@ class Newton:
             "hinge_stiff": numbers(np.zeros(h)),
             "slope": vectors(np.zeros((4 * h, 3))),
         }
-        alike = ("force", "force_before", "residual", "scaled", "course", "bent", "answer", "line")
+        alike = ("force", "force_before", "residual", "scaled", "course", "bent", "response", "line")
         self._tables = {
             **{name: vectors(np.zeros((self._rows, 3))) for name in alike},
             "inverse": matrices(self._rows),
@@ -96,10 +96,10 @@ class Newton:
         settings = self.settings
         slow = settings.velocity_error * dt
         energy = self._assess(dt)
-        iterations, capped, passes, way, before = 0, 0, 0, math.inf, 0.0
+        iterations, capped, passes, displacement, before = 0, 0, 0, math.inf, 0.0
         for step in range(settings.max_newton + 1):
             first, unbalanced = self._balance(dt)
-            if way == 0.0 or (way <= slow and unbalanced <= settings.force_error**2):
+            if displacement == 0.0 or (displacement <= slow and unbalanced <= settings.force_error**2):
                 passes += 1
                 if passes == PASSES or self.collisions.press_on() <= slow:
                     self.left = 0.0
@@ -109,11 +109,11 @@ class Newton:
             if step == settings.max_newton:
                 break
             newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
-            made, ended = self._solve(first * settings.linear_error**2, REACH * way)
+            made, ended = self._solve(first * settings.linear_error**2, REACH * displacement)
             iterations += made
             capped |= not ended
             before, down = newton_sums.conjugate(self._rows, before, self._system)
-            energy, way, as_told = self._descend(dt, energy, down)
+            energy, displacement, as_told = self._descend(dt, energy, down)
             before *= as_told
         self.left = math.sqrt(unbalanced)
         return np.array([step, iterations, 1])
@@ -128,7 +128,7 @@ class Newton:
         """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
         first = newton_sums.ask(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
         self._solve(first * error**2, 0.0, linear=True)
-        newton_sums.answer(self.mesh.count, self._system, self._given)
+        newton_sums.respond(self.mesh.count, self._system, self._given)
         return self._given
 
     def _assess(self, dt: float) -> float:
@@ -201,7 +201,7 @@ class Newton:
         """Go along the way found, on which the energy falls by `down` [J] for the whole of it at first, to its end; on
         if that is where the energy goes on to fall; less far if it does not fall. Returns the energy, the longest way
         of a point [m], and whether the energy has fallen as much as linear forces would let it."""
-        share, way, after = 1.0, *self._try(dt, 1.0)
+        share, displacement, after = 1.0, *self._try(dt, 1.0)
         as_told = energy - after > AS_TOLD * down
         for _ in range(SEARCHES):
             bend = 2 * (after - energy + share * down) / share**2
@@ -214,8 +214,8 @@ class Newton:
                 break
             share, after = best, found
         for _ in range(HALVINGS):
-            if after <= energy + ROUNDING * abs(energy) or not math.isfinite(way):
-                return after, share * way, as_told
+            if after <= energy + ROUNDING * abs(energy) or not math.isfinite(displacement):
+                return after, share * displacement, as_told
             share /= 2
             _, after = self._try(dt, share)
         return self._try(dt, 0.0)[1], 0.0, False

@@ -51,7 +51,7 @@ System = ti.types.argpack(
     scaled=Vectors,
     course=Vectors,
     bent=Vectors,
-    answer=Vectors,
+    response=Vectors,
     line=Vectors,
     inverse=Matrices,
     part=Vectors,
@@ -322,7 +322,7 @@ def linearize(
         e.residual[i] = r
         e.scaled[i] = e.inverse[i] @ r
         e.course[i] = e.scaled[i]
-        e.answer[i] = vec3(0.0, 0.0, 0.0)
+        e.response[i] = vec3(0.0, 0.0, 0.0)
         loose.loose_base[row] = loose.loose_way[row]
         if row % 2 == 0:
             off += dt * dt * gravity
@@ -346,7 +346,7 @@ def linearize(
         e.residual[i] = r
         e.scaled[i] = z
         e.course[i] = z
-        e.answer[i] = vec3(0.0, 0.0, 0.0)
+        e.response[i] = vec3(0.0, 0.0, 0.0)
         t.base[i] = t.place[i]
         e.part[i] = vec3(r.dot(z), left, acting)
     for row in range(ROWS):
@@ -381,7 +381,7 @@ def ask(points: ti.i32, rows: ti.i32, p: Points, load: Vectors, e: System) -> ti
             z = e.inverse[i] @ r
         e.residual[i] = r
         e.course[i] = z
-        e.answer[i] = vec3(0.0, 0.0, 0.0)
+        e.response[i] = vec3(0.0, 0.0, 0.0)
         e.part[i] = vec3(r.dot(z), 0.0, 0.0)
     for row in range(ROWS):
         add_range(row, points + rows, vec3(0.0, 0.0, 0.0), e.part)
@@ -394,10 +394,10 @@ def ask(points: ti.i32, rows: ti.i32, p: Points, load: Vectors, e: System) -> ti
 
 
 @ti.kernel
-def answer(points: ti.i32, e: System, found: Vectors):
+def respond(points: ti.i32, e: System, found: Vectors):
     """What conjugate gradients found of points alone."""
     for i in range(points):
-        found[i] = e.answer[i]
+        found[i] = e.response[i]
 
 
 @ti.kernel
@@ -405,7 +405,7 @@ def conjugate(rows: ti.i32, before: ti.f64, e: System) -> vec2:
     """Turn the way found, unless `before` is 0, so that it is conjugate to the one before; returns r.z and the slope
     of the energy along the way. `rows`: of points and bodies."""
     for i in range(rows):
-        z = e.answer[i]
+        z = e.response[i]
         e.part[i] = vec3(e.force[i].dot(z), e.force_before[i].dot(z), e.force[i].dot(e.line[i]))
     for row in range(ROWS):
         add_range(row, rows, vec3(0.0, 0.0, 0.0), e.part)
@@ -413,8 +413,8 @@ def conjugate(rows: ti.i32, before: ti.f64, e: System) -> vec2:
     for _once in range(1):
         turn(add_ranges(rows, vec3(0.0, 0.0, 0.0), e.part), before, e)
     for i in range(rows):
-        e.line[i] = e.answer[i] + e.scalar[SHARE] * e.line[i]
-        e.answer[i] = e.line[i]
+        e.line[i] = e.response[i] + e.scalar[SHARE] * e.line[i]
+        e.response[i] = e.line[i]
         e.force_before[i] = e.force[i]
     return vec2(e.scalar[NOW], e.scalar[DOWN])
 
@@ -425,11 +425,11 @@ def move(points: ti.i32, rows: ti.i32, share: ti.f64, reach: Numbers, loose: Loo
     [m]. `reach`: how far a way or turn of 1 of a row of a body takes its points."""
     longest = ti.cast(0.0, ti.f64)
     for row in range(rows):
-        loose.loose_way[row] = loose.loose_base[row] + share * e.answer[points + row]
-        ti.atomic_max(longest, reach[row] * e.answer[points + row].norm())
+        loose.loose_way[row] = loose.loose_base[row] + share * e.response[points + row]
+        ti.atomic_max(longest, reach[row] * e.response[points + row].norm())
     for i in range(points):
-        t.place[i] = t.base[i] + share * e.answer[i]
-        ti.atomic_max(longest, e.answer[i].norm())
+        t.place[i] = t.base[i] + share * e.response[i]
+        ti.atomic_max(longest, e.response[i].norm())
     return longest
 
 

@@ -16,7 +16,7 @@ from sim.cloth.fabric.arrays import integers, matrices, numbers, vectors
 from sim.cloth.fabric.layout import Pace, Way
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.fabric.pin_places import put
-from sim.cloth.integrators.free_pieces import Adrift
+from sim.cloth.integrators.free_pieces import FreePieces
 from sim.device.double import vec3
 
 ROUNDS = 12
@@ -45,9 +45,9 @@ class SmallSteps:
         self.mesh = mesh
         self.gravity = vec3(*gravity)
         self.collisions = collisions
-        self._adrift = Adrift(mesh)
+        self._adrift = FreePieces(mesh)
         self._rows = 2 * collisions.loose.count
-        self.way = Way(
+        self.displacement = Way(
             start=vectors(np.zeros((mesh.total, 3))),
             before=vectors(np.zeros((mesh.count, 3))),
             aims=mesh.place,
@@ -72,9 +72,9 @@ class SmallSteps:
 
     def advance(self, dt: float) -> dict[str, float]:
         """Step by dt [s]; returns the STATISTICS."""
-        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.way.start
+        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.displacement.start
         number = self.substeps(dt)
-        projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.way)
+        projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.displacement)
         collisions.begin(start, dt)
         collisions.find(start, self._ahead, AHEAD)
         self.sweeps = self._enough()
@@ -82,14 +82,14 @@ class SmallSteps:
         for rounds in range(1, ROUNDS + 1):
             projection.forget(collisions.count, collisions.touches)
             self.run(dt / number, number)
-            projection.carry_solids(mesh.count, mesh.total, dt, points, self.way)
+            projection.carry_solids(mesh.count, mesh.total, dt, points, self.displacement)
             self._carry_bodies()
             if not collisions.find(start, points.position, add=rounds < ROUNDS):
                 if not len(collisions.narrow) or self.sweeps >= MOST_SWEEPS:
                     break
                 self.sweeps *= 4
             if rounds < ROUNDS:
-                projection.put_back(mesh.total, points, self._speed, self.way)
+                projection.put_back(mesh.total, points, self._speed, self.displacement)
                 projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
         self._fall_back(dt, number)
         held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
@@ -105,21 +105,21 @@ class SmallSteps:
         share = self._adrift.falling(self.collisions.known, gravity, (after - before) / dt)
         if share is not None:
             projection.shift(count, -0.5 * share * gravity * dt * dt / number, points)
-            self.collisions.find(self.way.start, points.position, add=False)
+            self.collisions.find(self.displacement.start, points.position, add=False)
 
     def keep_apart(self, dt: float, number: int, left: int) -> None:
         """Let contacts hold in one of so many small steps of dt [s]."""
         mesh, collisions, loose = self.mesh, self.collisions, self.collisions.loose
         sizes, sweeps = (mesh.count, self._rows, collisions.count), self.sweeps if collisions.count else 0
         shared, prompt = (mesh.points, collisions.touches, loose.tables), self.prompt(number)
-        tables = *shared, loose.holds, self._pace, self.way
+        tables = *shared, loose.holds, self._pace, self.displacement
         if mesh.alone and self._rows:
             projection.keep_bodies_apart_alone(*sizes, sweeps, number, left, dt, prompt, *tables)
         elif collisions.count or self._rows:
             projection.recall(*sizes, number, left, dt, prompt, *tables)
             for _ in range(sweeps):
                 projection.sweep(*sizes, number, left, dt, *tables)
-            projection.end(*sizes, number, dt, *shared, self._pace, self.way)
+            projection.end(*sizes, number, dt, *shared, self._pace, self.displacement)
 
     def _enough(self) -> int:
         """Sweeps of a small step: forces that go on from one to the next follow what is sunk, and come too late for the

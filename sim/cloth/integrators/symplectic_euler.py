@@ -65,7 +65,7 @@ class SymplecticEuler(SmallSteps):
                 mesh.air.drag,
                 self._workspace,
                 contacts.touches,
-                self.way,
+                self.displacement,
             )
             if not alone:
                 self.keep_apart(dt, number, number - step)

@@ -69,9 +69,9 @@ def _go(
             p.velocity[i] = momentum / p.mass[i]
         p.position[i] += dt * p.velocity[i]
     else:
-        way = (w.aims[i] - p.position[i]) / ti.cast(left, ti.f64)
-        p.velocity[i] = way / dt
-        p.position[i] += way
+        displacement = (w.aims[i] - p.position[i]) / ti.cast(left, ti.f64)
+        p.velocity[i] = displacement / dt
+        p.position[i] += displacement
 
 
 @ti.kernel

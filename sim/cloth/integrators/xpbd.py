@@ -73,12 +73,12 @@ class XPBD(SmallSteps):
             mesh.air.drag,
             self._guess,
             contacts.touches,
-            self.way,
+            self.displacement,
         )
 
     def _substep(self, dt: float, number: int, left: int) -> None:
-        mesh, guess, way = self.mesh, self._guess, self.way
-        xpbd_sums.foresee(
+        mesh, guess, displacement = self.mesh, self._guess, self.displacement
+        xpbd_sums.predict(
             mesh.air.present,
             mesh.count,
             mesh.springs,
@@ -90,15 +90,15 @@ class XPBD(SmallSteps):
             mesh.points,
             mesh.air.drag,
             guess,
-            way,
+            displacement,
         )
         for _ in range(self.settings.iterations):
             for first, last in self._spring_colors:
-                xpbd_sums.project_springs(first, last, dt, mesh.points, self._strands, guess, way)
+                xpbd_sums.project_springs(first, last, dt, mesh.points, self._strands, guess, displacement)
             for first, last in self._hinge_colors:
-                xpbd_sums.project_hinges(first, last, dt, mesh.points, self._angles, guess, way)
+                xpbd_sums.project_hinges(first, last, dt, mesh.points, self._angles, guess, displacement)
         self.keep_apart(dt, number, left)
-        xpbd_sums.finish(mesh.count, dt, mesh.points, way)
+        xpbd_sums.finish(mesh.count, dt, mesh.points, displacement)
 
     @property
     def bytes(self) -> int:

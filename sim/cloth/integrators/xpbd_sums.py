@@ -117,7 +117,7 @@ def substeps_alone(
 
 
 @ti.kernel
-def foresee(
+def predict(
     airy: ti.template(),
     points: ti.i32,
     springs: ti.i32,

@@ -11,12 +11,15 @@ RIM = 1e-9
 """Triangles are larger by this share for what meets their sides."""
 
 
-def cast(points: np.ndarray, corners: np.ndarray, way: np.ndarray, *, last: bool = False) -> tuple[np.ndarray, ...]:
+def cast(
+    points: np.ndarray, corners: np.ndarray, direction: np.ndarray, *, last: bool = False
+) -> tuple[np.ndarray, ...]:
     """For those that meet one: the point, the triangle, weights of its corners there, and how far it is [m].
 
-    points: [m], shape [n, 3]; corners: of triangles [m], shape [t, 3, 3]; way: unit vector; last: what they meet last.
+    points: [m], shape [n, 3]; corners: of triangles [m], shape [t, 3, 3]; direction: unit vector; last: what they meet
+    last.
     """
-    turn = _frame(way)
+    turn = _frame(direction)
     flat, faces = points @ turn.T, corners @ turn.T
     top = float(faces[:, :, 2].max(initial=0.0))
     ceiling = np.column_stack([flat[:, :2], np.maximum(flat[:, 2], top)])
@@ -29,15 +32,15 @@ def cast(points: np.ndarray, corners: np.ndarray, way: np.ndarray, *, last: bool
     hit = np.flatnonzero((whole[:, 0] != 0) & (weight >= -RIM).all(axis=1) & (height > 0))
     hit = hit[np.lexsort((-height[hit] if last else height[hit], row[hit]))]
     hit = hit[np.unique(row[hit], return_index=True)[1]]
-    foot = points[row[hit]] + height[hit, None] * way
+    foot = points[row[hit]] + height[hit, None] * direction
     return row[hit], face[hit], barycentric(foot, corners[face[hit]]), height[hit]
 
 
-def _frame(way: np.ndarray) -> np.ndarray:
+def _frame(direction: np.ndarray) -> np.ndarray:
     """A proper rotation that turns a unit vector to z."""
-    aside = np.cross(way, np.eye(3)[np.argmin(np.abs(way))])
+    aside = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     aside /= np.linalg.norm(aside)
-    return np.stack([aside, np.cross(way, aside), way])
+    return np.stack([aside, np.cross(direction, aside), direction])
 
 
 def _turn(u: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -105,7 +105,7 @@ class Piece:
 
     points: np.ndarray
     """Of the piece, shape [n]."""
-    way: np.ndarray
+    direction: np.ndarray
     """The unit vector to where it belongs, shape [3]."""
     edges: np.ndarray
     """Crossings of the contour at which the edge is the piece's, as rows."""
@@ -143,11 +143,13 @@ def cut_off(
         sides = (
             [(behind, mean)] if filled[topology.triangles[cut.triangle]].all() else [(behind, mean), (before, -mean)]
         )
-        for side, way in sides:
+        for side, direction in sides:
             if not len(side) or len(np.intersect1d(side, beyond)):
                 continue
             points = np.flatnonzero(np.isin(label, side))
-            found.append(Piece(points, way / np.linalg.norm(way), own, other, float(topology.area[points].sum())))
+            found.append(
+                Piece(points, direction / np.linalg.norm(direction), own, other, float(topology.area[points].sum()))
+            )
     return sorted(found, key=lambda piece: piece.area)
 
 

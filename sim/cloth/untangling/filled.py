@@ -46,5 +46,7 @@ class Filled:
     def way_out(self, points: np.ndarray) -> np.ndarray:
         """The shortest way [m] along an axis on which all points, shape [n, 3], come out, shape [3]."""
         corners = self._mesh.vertices[self._mesh.faces]
-        ways = [cast(points, corners, way, last=True)[3].max(initial=0.0) * way for way in OUTWARD]
-        return min(ways, key=np.linalg.norm)
+        ways_out = [
+            cast(points, corners, direction, last=True)[3].max(initial=0.0) * direction for direction in OUTWARD
+        ]
+        return min(ways_out, key=np.linalg.norm)

@@ -70,7 +70,7 @@ def relax(
     steady = FIRM * places[moving] + force * (own_push.T @ (pushes.wanted - of_fixed[1]))
     found = places.copy()
     for _ in range(ROUNDS):
-        way = found[springs[:, 0]] - found[springs[:, 1]]
-        way *= (length / np.maximum(np.linalg.norm(way, axis=1), 1e-300))[:, None]
-        found[moving] = solve(steady + own_stretch.T @ (way - of_fixed[0]))
+        displacement = found[springs[:, 0]] - found[springs[:, 1]]
+        displacement *= (length / np.maximum(np.linalg.norm(displacement, axis=1), 1e-300))[:, None]
+        found[moving] = solve(steady + own_stretch.T @ (displacement - of_fixed[0]))
     return found

@@ -246,8 +246,8 @@ class _Tangle:
 
     def _rise(self, piece: Piece) -> float:
         """How far cloth rises where a piece goes back by 1, or pushes it."""
-        way = float(piece.way @ self._up)
-        return way if piece.points[0] < self.count else -way
+        upward = float(piece.direction @ self._up)
+        return upward if piece.points[0] < self.count else -upward
 
     def _parts(self, crossings: Crossings, contour: Contour) -> list[int]:
         """The two surfaces that cross along a contour."""
@@ -265,43 +265,43 @@ class _Tangle:
         ahead, behind = np.ones((len(piece.edges), 1)), -np.ones((len(piece.triangles), 1))
         return Pushes.joined(
             [
-                self._through(piece.points, other, piece.way),
-                self._through(np.unique(other), own, -piece.way),
-                self._across(crossings.take(piece.edges), ahead * piece.way),
-                self._across(crossings.take(piece.triangles), behind * piece.way),
+                self._through(piece.points, other, piece.direction),
+                self._through(np.unique(other), own, -piece.direction),
+                self._across(crossings.take(piece.edges), ahead * piece.direction),
+                self._across(crossings.take(piece.triangles), behind * piece.direction),
             ]
         )
 
-    def _through(self, points: np.ndarray, triangles: np.ndarray, way: np.ndarray) -> Pushes:
+    def _through(self, points: np.ndarray, triangles: np.ndarray, direction: np.ndarray) -> Pushes:
         """Points go a stride along a unit vector, but no further than beyond the triangles that they meet on it."""
-        row, face, weight, gap = cast(self.places[points], self.places[triangles], way)
+        row, face, weight, gap = cast(self.places[points], self.places[triangles], direction)
         point, corners = points[row], triangles[face]
         apart = self._half[point] + self._half[corners[:, 0]]
         apart = np.minimum(apart, self._stride - gap)
         members, factors = np.column_stack([point, corners]), np.column_stack([np.ones(len(row)), -weight])
-        return Pushes.of(members, factors, apart[:, None] * way)
+        return Pushes.of(members, factors, apart[:, None] * direction)
 
-    def _across(self, crossings: Crossings, way: np.ndarray) -> Pushes:
+    def _across(self, crossings: Crossings, direction: np.ndarray) -> Pushes:
         """Edges go their ways, in thicknesses, shape [n, 3], against the triangles that they cross, where they do."""
         corners = self._corners(crossings)
         apart = self._half[crossings.ends[:, 0]] + self._half[corners[:, 0]]
-        return self._against(crossings, apart[:, None] * way)
+        return self._against(crossings, apart[:, None] * direction)
 
     def _shorten(self, crossings: Crossings, contour: Contour) -> Pushes:
-        way = shortening(self._topology, crossings, contour, self.places)
+        displacement = shortening(self._topology, crossings, contour, self.places)
         cut = crossings.take(contour.rows)
-        return self._against(cut, self._stride * way)
+        return self._against(cut, self._stride * displacement)
 
-    def _against(self, crossings: Crossings, way: np.ndarray) -> Pushes:
+    def _against(self, crossings: Crossings, displacement: np.ndarray) -> Pushes:
         """Edges go their ways [m], shape [n, 3], against the triangles that they cross, where they do."""
         share = crossings.share[:, None]
         factors = np.concatenate([1 - share, share, -crossings.weight], axis=1)
-        return Pushes.of(np.concatenate([crossings.ends, self._corners(crossings)], axis=1), factors, way)
+        return Pushes.of(np.concatenate([crossings.ends, self._corners(crossings)], axis=1), factors, displacement)
 
     def _take_out(self, points: np.ndarray, body: Filled) -> None:
-        way = body.way_out(self.places[points])
-        length = np.linalg.norm(way)
-        self.places[points] += way * (1 + 2 * self._half[points].max() / length)
+        displacement = body.way_out(self.places[points])
+        length = np.linalg.norm(displacement)
+        self.places[points] += displacement * (1 + 2 * self._half[points].max() / length)
 
     def _name(self, point: int) -> str:
         """The sheet or body that a point is of."""
@@ -325,11 +325,13 @@ class _Tangle:
     def _moved(self, begin: np.ndarray, found: dict[str, Counter]) -> list[Untangled]:
         told = []
         for item, own in zip(self.sheets, self.of_sheet, strict=True):
-            way = np.linalg.norm(self.places[own] - begin[own], axis=1)
-            points = int((way > NOTICEABLE * item.sheet.thickness).sum())
+            displacement = np.linalg.norm(self.places[own] - begin[own], axis=1)
+            points = int((displacement > NOTICEABLE * item.sheet.thickness).sum())
             if points or found[item.name]:
                 told.append(
-                    Untangled(item.name, found[item.name].total(), list(found[item.name]), points, float(way.max()))
+                    Untangled(
+                        item.name, found[item.name].total(), list(found[item.name]), points, float(displacement.max())
+                    )
                 )
         return told
 

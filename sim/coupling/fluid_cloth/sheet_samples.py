@@ -202,13 +202,13 @@ class SheetReaction:
         )
         self._spread(load)
 
-    def give_way(self, ahead: float, way: ti.Ndarray, per_way: float, *, fresh: bool) -> None:
-        """Add to push.w, or begin there where `fresh`, by how much the ways [m] of corners, over `per_way` [s^2], lower
-        the second derivative of densities [kg/(m^3 s^2)]."""
+    def add_response(self, ahead: float, displacement: ti.Ndarray, per_displacement: float, *, fresh: bool) -> None:
+        """Add to pressure_acceleration.w, or begin there where `fresh`, by how much the displacements [m] of corners,
+        over `per_displacement` [s^2], lower the second derivative of densities [kg/(m^3 s^2)]."""
         system, sheets = self.system, self._make_room()
         particles, boundary = system.particles, system.boundary
-        sheet_sums.sway(sheets.count, 1.0 / per_way, sheets.corners, sheets.weights, way, self._sway)
-        sheet_sums.give_way(
+        sheet_sums.sway(sheets.count, 1.0 / per_displacement, sheets.corners, sheets.weights, displacement, self._sway)
+        sheet_sums.add_response(
             system.count,
             fresh,
             ahead,
@@ -221,7 +221,7 @@ class SheetReaction:
             boundary.neighbors.index,
             *boundary.faces.lists,
             self._sway,
-            particles.push,
+            particles.pressure_acceleration,
         )
 
     def _spread(self, load: ti.Ndarray) -> None:

@@ -176,16 +176,22 @@ def spread(
 
 
 @ti.kernel
-def sway(count: ti.i32, per_way: ti.f64, corners: Integers, weights: Vectors, way: Vectors, out: Vectors):
-    """Accelerations of samples [m/s^2] from the ways of corners [m]."""
+def sway(
+    count: ti.i32, per_displacement: ti.f64, corners: Integers, weights: Vectors, displacement: Vectors, out: Vectors
+):
+    """Accelerations of samples [m/s^2] from the displacements of corners [m]."""
     for s in range(count):
         w = weights[s]
-        total = w[0] * way[corners[3 * s]] + w[1] * way[corners[3 * s + 1]] + w[2] * way[corners[3 * s + 2]]
-        out[s] = per_way * total
+        total = (
+            w[0] * displacement[corners[3 * s]]
+            + w[1] * displacement[corners[3 * s + 1]]
+            + w[2] * displacement[corners[3 * s + 2]]
+        )
+        out[s] = per_displacement * total
 
 
 @ti.kernel
-def give_way(
+def add_response(
     count: ti.i32,
     fresh: ti.i32,
     ahead: real,
@@ -203,9 +209,10 @@ def give_way(
     held: RealArray,
     fit: vec4,
     sway: Vectors,
-    push: Vec4Array,
+    pressure_acceleration: Vec4Array,
 ):
-    """In push.w, by how much accelerations of samples lower the second derivative of densities [kg/(m^3 s^2)]."""
+    """In pressure_acceleration.w, by how much accelerations of samples lower the second derivative of densities
+    [kg/(m^3 s^2)]."""
     inverse_h = 1.0 / h
     strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
     for i in range(count):
@@ -217,4 +224,4 @@ def give_way(
             gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
             gradient = along_faces(i, gradient, begin, solids_near, face, held, fit, inverse_h)
             given += gradient.dot(ti.cast(sway[s], real))
-        push[i].w = given if fresh != 0 else push[i].w + given
+        pressure_acceleration[i].w = given if fresh != 0 else pressure_acceleration[i].w + given

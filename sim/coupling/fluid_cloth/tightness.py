@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.cloth.contact.surfaces import Tree
 from sim.cloth.fabric.arrays import integers, numbers, vectors
-from sim.cloth.model import ClothPart
+from sim.cloth.model import ClothModel
 from sim.coupling.fluid_cloth import tightness_sums
 from sim.device.double import vec3
 from sim.fluid.system import FluidSystem
@@ -20,7 +20,7 @@ GAP = 0.1
 class Tightness:
     """Keeps the particles of a system on their side of the cloth; `origin` of the system's coordinates [m]."""
 
-    def __init__(self, cloth: ClothPart, system: FluidSystem, origin: np.ndarray):
+    def __init__(self, cloth: ClothModel, system: FluidSystem, origin: np.ndarray):
         self.cloth, self.system = cloth, system
         self._origin = vec3(*origin)
         self._gap = GAP * system.spec.spacing
@@ -77,14 +77,14 @@ class Tightness:
         velocity = system.particles.velocity.to_numpy()
         moving = velocity[rows, :3].astype(np.float64)
         position = system.particles.position.to_numpy()[rows, :3] + np.array(self._origin)
-        lightness = np.where(mesh.held, 0.0, 1.0 / mesh.mass)
+        layer_mass_ratio = np.where(mesh.held, 0.0, 1.0 / mesh.mass)
         for row, (corners, weight) in enumerate(zip(members, weights, strict=True)):
             apart = position[row] - weight @ place[corners]
             normal = apart / max(float(np.linalg.norm(apart)), 1e-30)
             closing = float(normal @ (moving[row] - weight @ speed[corners]))
             if closing >= 0:
                 continue
-            given = weight * lightness[corners]
+            given = weight * layer_mass_ratio[corners]
             impulse = -closing / (1.0 / system.mass + float(weight @ given))
             moving[row] += impulse / system.mass * normal
             speed[corners] -= np.outer(given, impulse * normal)

@@ -22,18 +22,18 @@ import trimesh
 from sim.cloth.contact.dynamic_solids import Bodies
 from sim.cloth.fabric.arrays import clear, vectors
 from sim.cloth.fabric.state import ClothState
-from sim.cloth.model import ClothPart, PlacedSheet
+from sim.cloth.model import ClothModel, PlacedSheet
 from sim.coupling.fluid_cloth import wet_cloth_sums
 from sim.coupling.fluid_cloth.sheet_samples import Pattern, SheetReaction, SheetSamples, find_cuts
 from sim.coupling.fluid_cloth.tightness import Tightness
-from sim.coupling.fluid_rigid.reaction_sums import expect
+from sim.coupling.fluid_rigid.reaction_sums import subtract_predicted
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance.closest_points import MeshDistance
 
 
-def sheet_samples(cloth: ClothPart, fluid: Fluid, origin: np.ndarray) -> Callable[[float], SheetSamples]:
+def sheet_samples(cloth: ClothModel, fluid: Fluid, origin: np.ndarray) -> Callable[[float], SheetSamples]:
     """What makes samples of the cloth where it is, listed within a radius [m]."""
 
     def make(radius: float) -> SheetSamples:
@@ -46,7 +46,7 @@ def sheet_samples(cloth: ClothPart, fluid: Fluid, origin: np.ndarray) -> Callabl
     return make
 
 
-def _cuts(cloth: ClothPart, spacing: float) -> np.ndarray:
+def _cuts(cloth: ClothModel, spacing: float) -> np.ndarray:
     """Into how many the sides of triangles are to be divided for samples where the cloth is."""
     mesh = cloth.mesh
     return find_cuts(mesh.triangles, mesh.placed, mesh.points.position.to_numpy(), spacing)
@@ -70,27 +70,27 @@ class WetCloth:
     """The cloth of a scene, as `system.bodies` or a part of them.
 
     make: samples of the cloth where it is; solids: where points of solids will be after the step [m], or None where
-    none moves, and bodies that obey forces; push: moves these by what the cloth did to them in a step of so many
+    none moves, and bodies that obey forces; move_bodies: moves these by what the cloth did to them in a step of so many
     seconds; alone: whether nothing else is moved by the fluid.
     """
 
     def __init__(
         self,
-        cloth: ClothPart,
+        cloth: ClothModel,
         system: FluidSystem,
         make: Callable[[float], SheetSamples],
         origin: np.ndarray,
         solids: Callable[[float], tuple[np.ndarray | None, Bodies | None]],
-        push: Callable[[float], None],
+        move_bodies: Callable[[float], None],
         *,
         alone: bool,
     ):
         self.cloth, self.system = cloth, system
-        self._make, self._solids, self._push, self._alone = make, solids, push, alone
+        self._make, self._solids, self._move_bodies, self._alone = make, solids, move_bodies, alone
         self._integrator = cloth.integrator
         self.reaction = SheetReaction(system)
         layer = system.spec.rest_density * system.spec.spacing
-        self.lightness = layer / min(item.sheet.mass_per_area for item in cloth.sheets)
+        self.layer_mass_ratio = layer / min(item.sheet.mass_per_area for item in cloth.sheets)
         self.tightness = Tightness(cloth, system, origin)
         n = cloth.mesh.count
         self._steady, self._load, self._found, self._pressed = (vectors(np.zeros((n, 3))) for _ in range(4))
@@ -114,53 +114,53 @@ class WetCloth:
     def list(self) -> None:
         self.reaction.list()
 
-    def hear(self, momentum: Momentum) -> None:
+    def gather_forces(self, momentum: Momentum) -> None:
         self.reaction.forces(momentum, self._steady)
 
-    def foresee(self, dt: float) -> None:
+    def predict(self, dt: float) -> None:
         self._dt = dt
         last = self.cloth.fluid_force
         self.cloth.aim(dt, self._until, *self._solids(dt))
         self._sum(self._load, self._steady, last)
-        self._integrator.foresee(dt, self._load)
+        self._integrator.predict(dt, self._load)
         self._integrator.linearize(dt)
-        self._expected.copy_from(self._integrator.give_way(last))
+        self._expected.copy_from(self._integrator.add_response(last))
         clear(self._found)
         self._pose()
 
-    def expect(self, dt: float) -> None:
+    def subtract_predicted(self, dt: float) -> None:
         particles = self.system.particles
-        self.reaction.give_way(dt, self._expected, dt * dt, fresh=True)
-        expect(self.system.count, dt, particles.push, particles.source)
+        self.reaction.add_response(dt, self._expected, dt * dt, fresh=True)
+        subtract_predicted(self.system.count, dt, particles.pressure_acceleration, particles.source)
 
-    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+    def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         self.reaction.pressures(ahead, self._pressed, found=False)
-        way = self._integrator.give_way(self._pressed)
-        self.reaction.give_way(ahead, way, self._dt**2, fresh=self._alone)
+        displacement = self._integrator.add_response(self._pressed)
+        self.reaction.add_response(ahead, displacement, self._dt**2, fresh=self._alone)
 
-    def press(self, ahead: float) -> None:
+    def gather_pressures(self, ahead: float) -> None:
         self.reaction.pressures(ahead, self._pressed, found=True)
-        self._way.copy_from(self._integrator.give_way(self._pressed))
+        self._way.copy_from(self._integrator.add_response(self._pressed))
 
-    def slow(self, dt: float, change: np.ndarray) -> None:
+    def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Implicit viscosity is refused beside cloth."""
 
-    def take(self, dt: float) -> None:
+    def apply(self, dt: float) -> None:
         self._sum(self._found, self._found, self._pressed)
         self._shift(self._way, 1.0)
         self._shift(self._expected, -1.0)
         clear(self._expected)
         self._pose()
 
-    def hold(self, dt: float) -> None:
+    def hold_along_surfaces(self, dt: float) -> None:
         """Samples hold nothing along them."""
 
-    def undo(self, dt: float) -> None:
+    def revert(self, dt: float) -> None:
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self._pressed, self._found)
         self._shift(self._way, -1.0)
         self._pose()
 
-    def settle(self, dt: float) -> dict[str, float]:
+    def commit(self, dt: float) -> dict[str, float]:
         self._load.copy_from(self._found)
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
         self.cloth.aim(dt, self._until, *self._solids(dt))
@@ -172,26 +172,26 @@ class WetCloth:
         clear(self._load)
         wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
         self.cloth.aim(dt, self._until, *self._solids(dt))
-        self._integrator.foresee(dt, self._load)
+        self._integrator.predict(dt, self._load)
         return self._finish(dt)
 
-    def strike(self, dt: float, momentum: Momentum) -> None:
+    def kick(self, dt: float, momentum: Momentum) -> None:
         self.reaction.forces(momentum, self.cloth.fluid_force)
         wet_cloth_sums.strike(self.cloth.mesh.count, dt / 2, self.cloth.mesh.points, self.cloth.fluid_force)
         self.system.boundary.move()
 
-    def hold_off(self, dt: float) -> None:
+    def prevent_penetration(self, dt: float) -> None:
         self.tightness.keep(dt)
 
     def _finish(self, dt: float) -> dict[str, float]:
-        told = self.cloth.note(self._integrator.settle(dt))
+        stats = self.cloth.note(self._integrator.commit(dt))
         points, sheets = self.cloth.mesh.points, self.system.boundary.sheets
         sheets.place, sheets.speed = points.position, points.velocity
-        self._push(dt)
-        return told
+        self._move_bodies(dt)
+        return stats
 
-    def _shift(self, way: ti.Ndarray, factor: float) -> None:
-        wet_cloth_sums.shift(self.cloth.mesh.count, factor, way, self._integrator.trial.place)
+    def _shift(self, displacement: ti.Ndarray, factor: float) -> None:
+        wet_cloth_sums.shift(self.cloth.mesh.count, factor, displacement, self._integrator.trial.place)
 
     def _sum(self, out: ti.Ndarray, one: ti.Ndarray, other: ti.Ndarray) -> None:
         out.copy_from(one)

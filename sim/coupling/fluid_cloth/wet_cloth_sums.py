@@ -7,10 +7,10 @@ from sim.device.double import Vectors
 
 
 @ti.kernel
-def shift(points: ti.i32, factor: ti.f64, way: Vectors, place: Vectors):
+def shift(points: ti.i32, factor: ti.f64, displacement: Vectors, place: Vectors):
     """Move points on by a factor of these ways [m]."""
     for i in range(points):
-        place[i] += factor * way[i]
+        place[i] += factor * displacement[i]
 
 
 @ti.kernel

@@ -6,7 +6,9 @@ import numpy as np
 import trimesh
 
 
-def lightness(mesh: trimesh.Trimesh, centre: np.ndarray, mass: float, inertia: np.ndarray, layer: float) -> float:
+def layer_mass_ratio(
+    mesh: trimesh.Trimesh, centre: np.ndarray, mass: float, inertia: np.ndarray, layer: float
+) -> float:
     """Greatest ratio, over all ways to move, of the mass of the fluid's layer around a body to its own.
 
     A motion (v, w) of the body moves its surface by n.(v + w x r) along the normal, and the layer of `layer` [kg/m^2]
@@ -17,8 +19,8 @@ def lightness(mesh: trimesh.Trimesh, centre: np.ndarray, mass: float, inertia: n
     corners = mesh.triangles - centre
     places = (corners + np.roll(corners, 1, axis=1)) / 2
     normals = np.repeat(mesh.face_normals, 3, axis=0)
-    ways = np.concatenate((normals, np.cross(places.reshape(-1, 3), normals)), axis=1)
-    moved = layer * np.einsum("n,ni,nj->ij", np.repeat(mesh.area_faces / 3, 3), ways, ways)
+    displacements = np.concatenate((normals, np.cross(places.reshape(-1, 3), normals)), axis=1)
+    moved = layer * np.einsum("n,ni,nj->ij", np.repeat(mesh.area_faces / 3, 3), displacements, displacements)
     own = np.zeros((6, 6))
     own[:3, :3] = mass * np.eye(3)
     own[3:, 3:] = inertia

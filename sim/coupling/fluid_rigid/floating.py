@@ -16,13 +16,13 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from sim.bodies.movement import Movement
-from sim.coupling.fluid_rigid.density_ratio import lightness
-from sim.coupling.fluid_rigid.lubrication import Film
+from sim.coupling.fluid_rigid.density_ratio import layer_mass_ratio
+from sim.coupling.fluid_rigid.lubrication import Lubrication
 from sim.coupling.fluid_rigid.reaction import Reaction
 from sim.coupling.fluid_rigid.viscous_drag import ViscousDrag
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.system import FluidSystem
-from sim.rigid.model import RigidPart
+from sim.rigid.model import RigidModel
 
 
 class Floating:
@@ -35,7 +35,7 @@ class Floating:
 
     def __init__(
         self,
-        rigid: RigidPart,
+        rigid: RigidModel,
         system: FluidSystem,
         rows: Mapping[int, int],
         solids: Sequence[int],
@@ -46,13 +46,13 @@ class Floating:
         self.system = system
         layer = system.spec.rest_density * system.spec.spacing
         bodies = [rigid.bodies[index] for index in rows]
-        self.lightness = max(
-            lightness(mesh, body.pivot, body.mass.mass, body.mass.inertia, layer)
+        self.layer_mass_ratio = max(
+            layer_mass_ratio(mesh, body.pivot, body.mass.mass, body.mass.inertia, layer)
             for mesh, body in zip(surfaces, bodies, strict=True)
         )
         self.reaction = Reaction(system, solids)
-        self.film = Film(system, solids, surfaces, [body.pivot for body in bodies])
-        self.reaction.film = self.film
+        self.lubrication = Lubrication(system, solids, surfaces, [body.pivot for body in bodies])
+        self.reaction.lubrication = self.lubrication
         self._bodies, self._rows = np.array(list(rows)), np.array(list(rows.values()))
         self._origin = origin
         self._steady = np.zeros((len(rows), 6))
@@ -74,14 +74,14 @@ class Floating:
     def viscous_drag(self) -> ViscousDrag:
         return ViscousDrag(self.system)
 
-    def hear(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum) + self.film.steady + self._held
+    def gather_forces(self, momentum: Momentum) -> None:
+        self._steady = self.reaction.forces(momentum) + self.lubrication.steady + self._held
 
-    def foresee(self, dt: float) -> None:
+    def predict(self, dt: float) -> None:
         last = self.pushed
         self._push(self._steady + last)
         self._lead()
-        self._here = self._local(self.rigid.foresee(dt, self._movements))
+        self._here = self._local(self.rigid.predict(dt, self._movements))
         self._push(last)
         self._weigh(self._here)
         self._aim()
@@ -94,19 +94,19 @@ class Floating:
         self.reaction.list()
         self._find_films()
 
-    def expect(self, dt: float) -> None:
-        self.reaction.expect(dt, self._expected)
+    def subtract_predicted(self, dt: float) -> None:
+        self.reaction.subtract_predicted(dt, self._expected)
 
-    def answer(self, ahead: float, *, beside_expected: bool = False) -> None:
+    def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         if beside_expected:
             self._last = self.reaction.answer_beside(ahead, self._expected)
         else:
-            self.reaction.answer(ahead)
+            self.reaction.respond(ahead)
 
-    def press(self, ahead: float) -> None:
+    def gather_pressures(self, ahead: float) -> None:
         self._last = self.reaction.pressed(ahead)
 
-    def slow(self, dt: float, change: np.ndarray) -> None:
+    def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         masses = np.linalg.inv(self._mobility)
         force = change[:, :3] / self._inverse_mass
         wrench = np.concatenate((force, np.einsum("nij,nj->ni", masses, change[:, 3:])), axis=1) / dt
@@ -116,25 +116,25 @@ class Floating:
         else:
             self._kick(dt, wrench)
 
-    def take(self, dt: float) -> None:
-        wrench, answer = self._last
+    def apply(self, dt: float) -> None:
+        wrench, response = self._last
         self._found = self._found + wrench
-        self._shift(dt, answer - self._expected)
-        self._expected = np.zeros_like(answer)
+        self._shift(dt, response - self._expected)
+        self._expected = np.zeros_like(response)
 
-    def hold(self, dt: float) -> None:
+    def hold_along_surfaces(self, dt: float) -> None:
         held = self.reaction.held()
         change = held - self._held
         self._steady = self._steady + change
         self._shift(dt, self._answer_to(change))
         self.rigid.fluid_hold[self._bodies] = held
 
-    def undo(self, dt: float) -> None:
-        wrench, answer = self._last
+    def revert(self, dt: float) -> None:
+        wrench, response = self._last
         self._found = self._found - wrench
-        self._shift(dt, -answer)
+        self._shift(dt, -response)
 
-    def settle(self, dt: float) -> dict[str, float]:
+    def commit(self, dt: float) -> dict[str, float]:
         self._push(self._steady + self._found)
         self._lead()
         self._ahead = False
@@ -146,12 +146,12 @@ class Floating:
         self._steady = np.zeros_like(whole)
         return self._advance(dt, whole)
 
-    def strike(self, dt: float, momentum: Momentum) -> None:
+    def kick(self, dt: float, momentum: Momentum) -> None:
         self._find_films()
-        self._push(self.reaction.forces(momentum) + self.film.steady + self.reaction.films())
+        self._push(self.reaction.forces(momentum) + self.lubrication.steady + self.reaction.films())
         self._kick(dt / 2, self.pushed)
 
-    def hold_off(self, dt: float) -> None:
+    def prevent_penetration(self, dt: float) -> None:
         """Bodies are thick: pressure does."""
 
     def _kick(self, dt: float, wrench: np.ndarray) -> None:
@@ -184,10 +184,10 @@ class Floating:
 
     def _find_films(self) -> None:
         """Look for films where solids are near each other."""
-        if self.system.count and len(self.rigid.near(self.film.reach)):
-            self.film.find(self._here)
+        if self.system.count and len(self.rigid.near(self.lubrication.reach)):
+            self.lubrication.find(self._here)
         else:
-            self.film.forget()
+            self.lubrication.forget()
 
     def _lead(self) -> None:
         """Let bodies that the fluid pushes go as particles do: what they do to it and how far they go is then one."""
@@ -199,12 +199,12 @@ class Floating:
 
     def _advance(self, dt: float, wrench: np.ndarray) -> dict[str, float]:
         """Make the step, and keep this wrench from it."""
-        told = self.rigid.advance(dt, self._movements)
+        stats = self.rigid.advance(dt, self._movements)
         self._push(wrench)
         self._here = self._local(self.rigid.motions())
         self._weigh(self._here)
         self._aim()
-        return told
+        return stats
 
     def pose(self) -> None:
         """Bodies have gone elsewhere since they were stepped."""
@@ -228,13 +228,13 @@ class Floating:
         turning = np.einsum("nij,nj->ni", self._mobility, wrench[:, 3:])
         return np.concatenate((wrench[:, :3] * self._inverse_mass, turning), axis=1)
 
-    def _shift(self, dt: float, answer: np.ndarray) -> None:
+    def _shift(self, dt: float, response: np.ndarray) -> None:
         """Take bodies further by accelerations that act from the start of the step."""
         here = self._here
-        turned = Rotation.from_rotvec(dt * dt * answer[:, 3:]).as_matrix() @ here[:, :9].reshape(-1, 3, 3)
+        turned = Rotation.from_rotvec(dt * dt * response[:, 3:]).as_matrix() @ here[:, :9].reshape(-1, 3, 3)
         here[:, :9] = turned.reshape(-1, 9)
-        here[:, 9:12] += dt * dt * answer[:, :3]
-        here[:, 12:] += dt * answer
+        here[:, 9:12] += dt * dt * response[:, :3]
+        here[:, 12:] += dt * response
         self._aim()
         self.system.boundary.move()
 

@@ -32,8 +32,8 @@ def reaction(
     on_solid.weigh(inertia)
     wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0] + on_solid.held()[0]
     position = system.particles.numpy("position").astype(np.float64)
-    for pressure, way in _pushes(system, position):
-        wrench = wrench + _pressed(system, solid, centre, position[:, :3] - way, pressure, region)
+    for pressure, displacement in _pushes(system, position):
+        wrench = wrench + _pressed(system, solid, centre, position[:, :3] - displacement, pressure, region)
     return wrench[:3], wrench[3:]
 
 

@@ -20,7 +20,7 @@ import taichi as ti
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.coupling.fluid_rigid.lubrication_sums import give_way_at_rims, place, press, press_rims
+from sim.coupling.fluid_rigid.lubrication_sums import add_response_at_rims, place, press, press_rims
 from sim.device.arrays import integer_array, numpy_real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import WIDE
@@ -53,7 +53,7 @@ def elements(mesh: trimesh.Trimesh, spacing: float) -> tuple[np.ndarray, np.ndar
     return centre / np.bincount(nearest, weight)[:, None], area
 
 
-class Film:
+class Lubrication:
     """The films about the bodies that are the `solids` in the boundary of `system`.
 
     surfaces: of these bodies as placed; pivots: their own origins [m], as placed, shape [3] each.
@@ -171,10 +171,10 @@ class Film:
             wrench,
         )
 
-    def give_way(self, answer: ti.Ndarray) -> None:
-        """Add to push.w what accelerations of bodies, shape [bodies, 6], do to particles at rims."""
+    def add_response(self, response: ti.Ndarray) -> None:
+        """Add to pressure_acceleration.w what accelerations of bodies, shape [bodies, 6], do to particles at rims."""
         system = self.system
-        give_way_at_rims(
+        add_response_at_rims(
             system.h,
             system.mass,
             system.spec.rest_density,
@@ -185,8 +185,8 @@ class Film:
             self._far.index,
             self._found,
             self._by_rim,
-            answer,
-            system.particles.push,
+            response,
+            system.particles.pressure_acceleration,
         )
 
 

@@ -94,13 +94,13 @@ def press(
             i = ahead_index[e, k]
             cover += norm * mass / rest_density * cubic((ahead[e].xyz - position[i].xyz).norm() * inverse_h)
         covered = ti.math.clamp((cover - WET) / (FULL - WET), 0.0, 1.0)
-        film = ti.cast(0.0, real)
+        lubrication = ti.cast(0.0, real)
         for k in range(solids_near[e]):
             other = face[begin[e] + k]
             if facing(normals[e].xyz / here[e].w, other.xyz):
                 closed = ti.math.clamp((ENTERED - other.w / spacing) / (ENTERED - CLOSED), 0.0, 1.0)
-                film = ti.max(film, closed * (1.0 - covered * wide(other.w, spacing, slim[own[e]])))
-        found[e] = vec4(film, pressure / ti.max(wet, WET), wet, 0.0)
+                lubrication = ti.max(lubrication, closed * (1.0 - covered * wide(other.w, spacing, slim[own[e]])))
+        found[e] = vec4(lubrication, pressure / ti.max(wet, WET), wet, 0.0)
     for e in range(beside.shape[0]):
         if found[e].x < 0.5:
             for k in range(beside.shape[1]):
@@ -188,7 +188,7 @@ def press_rims(
 
 
 @ti.kernel
-def give_way_at_rims(
+def add_response_at_rims(
     h: real,
     mass: real,
     rest_density: real,
@@ -199,18 +199,20 @@ def give_way_at_rims(
     beyond_index: IntTable,
     found: Vec4Array,
     by_rim: DoubleTable,
-    answer: DoubleTable,
-    push: Vec4Array,
+    response: DoubleTable,
+    pressure_acceleration: Vec4Array,
 ):
-    """Add to push.w by how much accelerations of bodies, which widen films, lower the second derivative of the
-    densities at their rims [kg/(m^3 s^2)]: the fluid that is to fill them comes from there."""
+    """Add to pressure_acceleration.w by how much accelerations of bodies, which widen films, lower the second
+    derivative of the densities at their rims [kg/(m^3 s^2)]: the fluid that is to fill them comes from there."""
     ti.loop_config(serialize=True)
     for r in range(by_rim.shape[0]):
         if found[r].w > 0.0:
             widens = ti.cast(0.0, ti.f64)
             for axis in range(6):
-                widens += by_rim[r, axis] * answer[body[r], axis]
+                widens += by_rim[r, axis] * response[body[r], axis]
             widens *= rest_density * rest_density / (mass * ti.max(found[r].z, WET))
             for k in range(beyond_size[r]):
                 i = beyond_index[r, k]
-                push[i].w += share_of(r, i, h, mass / rest_density, position, beyond) * ti.cast(widens, real)
+                pressure_acceleration[i].w += share_of(r, i, h, mass / rest_density, position, beyond) * ti.cast(
+                    widens, real
+                )

@@ -28,7 +28,7 @@ MATERIALS = ("fluid",)
 """Of a scene, for this to be loaded."""
 
 
-class Film(Protocol):
+class Lubrication(Protocol):
     """What acts on bodies where fluid has no particles, by the pressures of others."""
 
     active: bool
@@ -36,8 +36,8 @@ class Film(Protocol):
     def pressed(self, pressure: ti.Ndarray, wrench: ti.Ndarray, *, found: bool) -> None:
         """Write wrenches by the pressures as q in w, or where they are `found` in x, shape [bodies, 6]."""
 
-    def give_way(self, answer: ti.Ndarray) -> None:
-        """Add to push.w what these answers of bodies do to those particles."""
+    def add_response(self, response: ti.Ndarray) -> None:
+        """Add to pressure_acceleration.w what these answers of bodies do to those particles."""
 
 
 INERTIA = 13
@@ -64,7 +64,7 @@ class Reaction:
         self._tally = ti.ndarray(ti.i32, RANGES * self.count)
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
         self._wrench, self._answer, self._by_film = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
-        self.film: Film | None = None
+        self.lubrication: Lubrication | None = None
 
     def list(self) -> None:
         """Sort the entries of the bodies by these, in a fixed order, as they are listed now."""
@@ -81,8 +81,8 @@ class Reaction:
         return self._by_film.to_numpy()
 
     def _press_films(self, pressure: ti.Ndarray, *, found: bool) -> None:
-        if self.film and self.film.active:
-            self.film.pressed(pressure, self._by_film, found=found)
+        if self.lubrication and self.lubrication.active:
+            self.lubrication.pressed(pressure, self._by_film, found=found)
         else:
             self._by_film.fill(0)
 
@@ -151,31 +151,34 @@ class Reaction:
         )
         return self._wrench.to_numpy()
 
-    def answer(self, ahead: float) -> None:
-        """Find how bodies answer the pressures in position.w, and leave in push.w by how much that lowers the second
-        derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be `ahead` [s]."""
+    def respond(self, ahead: float) -> None:
+        """Find how bodies answer the pressures in position.w, and leave in pressure_acceleration.w by how much that
+        lowers the second derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be
+        `ahead` [s]."""
         self._sum(ahead, self.system.particles.position, found=False)
         self._give_way(ahead)
 
     def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As `answer`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
+        """As `response`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
         returns the wrenches and answers."""
         self._sum(dt, self.system.particles.position, found=False)
-        wrench, answer = self._wrench.to_numpy(), self._answer.to_numpy()
-        self._answer.from_numpy(answer - expected)
+        wrench, response = self._wrench.to_numpy(), self._answer.to_numpy()
+        self._answer.from_numpy(response - expected)
         self._give_way(dt)
-        return wrench, answer
+        return wrench, response
 
     def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
         """Wrenches of the pressures found, which are in search.x, and the answers; shape [bodies, 6]."""
         self._sum(ahead, self.system.particles.search, found=True)
         return self._wrench.to_numpy(), self._answer.to_numpy()
 
-    def expect(self, dt: float, answer: np.ndarray) -> None:
+    def subtract_predicted(self, dt: float, response: np.ndarray) -> None:
         """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
-        self._answer.from_numpy(answer)
+        self._answer.from_numpy(response)
         self._give_way(dt)
-        reaction_sums.expect(self.system.count, dt, self.system.particles.push, self.system.particles.source)
+        reaction_sums.subtract_predicted(
+            self.system.count, dt, self.system.particles.pressure_acceleration, self.system.particles.source
+        )
 
     def _sum(self, ahead: float, pressure: ti.Ndarray, *, found: bool) -> None:
         system = self.system
@@ -201,7 +204,7 @@ class Reaction:
     def _give_way(self, ahead: float) -> None:
         system = self.system
         faces = system.boundary.faces
-        reaction_sums.give_way(
+        reaction_sums.add_response(
             system.count,
             ahead,
             system.spec.rest_density,
@@ -214,10 +217,10 @@ class Reaction:
             self.body_of,
             self._inertia,
             self._answer,
-            system.particles.push,
+            system.particles.pressure_acceleration,
         )
-        if self.film and self.film.active:
-            self.film.give_way(self._answer)
+        if self.lubrication and self.lubrication.active:
+            self.lubrication.add_response(self._answer)
 
     @property
     def bytes(self) -> int:

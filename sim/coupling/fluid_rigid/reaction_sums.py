@@ -228,7 +228,7 @@ def answer_pressure(
     by_film: DoubleTable,
     partial: DoubleTable,
     wrench: DoubleTable,
-    answer: DoubleTable,
+    response: DoubleTable,
 ):
     """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers; strength:
     mass of a particle times the rest density."""
@@ -249,15 +249,15 @@ def answer_pressure(
             total[axis] += by_film[body, axis]
         keep(wrench, body, 0, total)
         for row in ti.static(range(3)):
-            answer[body, row] = inertia[body, 3] * total[row]
+            response[body, row] = inertia[body, 3] * total[row]
             turning = ti.cast(0.0, ti.f64)
             for column in ti.static(range(3)):
                 turning += inertia[body, 4 + 3 * row + column] * total[3 + column]
-            answer[body, 3 + row] = turning
+            response[body, 3 + row] = turning
 
 
 @ti.kernel
-def give_way(
+def add_response(
     count: ti.i32,
     ahead: real,
     rest_density: real,
@@ -269,22 +269,23 @@ def give_way(
     pull: Vec4Array,
     body_of: IntArray,
     inertia: DoubleTable,
-    answer: DoubleTable,
-    push: Vec4Array,
+    response: DoubleTable,
+    pressure_acceleration: Vec4Array,
 ):
-    """In push.w, by how much accelerations of bodies lower the second derivative of densities [kg/(m^3 s^2)]."""
+    """In pressure_acceleration.w, by how much accelerations of bodies lower the second derivative of densities [kg/(m^3
+    s^2)]."""
     for i in range(count):
         given = ti.cast(0.0, real)
         for e in range(begin[i], begin[i] + size[i]):
             body = body_of[solid[e]]
             if body >= 0:
                 arm = position[i].xyz + ahead * velocity[i].xyz - vector(inertia, body, 0)
-                given += pull[e].xyz.dot(vector(answer, body, 0) + vector(answer, body, 3).cross(arm))
-        push[i].w = rest_density * given
+                given += pull[e].xyz.dot(vector(response, body, 0) + vector(response, body, 3).cross(arm))
+        pressure_acceleration[i].w = rest_density * given
 
 
 @ti.kernel
-def expect(count: ti.i32, dt: real, push: Vec4Array, source: RealArray):
+def subtract_predicted(count: ti.i32, dt: real, pressure_acceleration: Vec4Array, source: RealArray):
     """Take compression as it would be, had bodies not answered already."""
     for i in range(count):
-        source[i] += dt * dt * push[i].w
+        source[i] += dt * dt * pressure_acceleration[i].w

@@ -39,9 +39,9 @@ def is_of(node: vec4, normal: vec3, plane: real, cell: real):
 
 
 @ti.func
-def share_of_node(way: vec3) -> real:
-    """Weight of a node in trilinear interpolation, `way` cells from it; never quite none."""
-    beside = 1.0 - ti.abs(way)
+def share_of_node(displacement: vec3) -> real:
+    """Weight of a node in trilinear interpolation, `displacement` cells from it; never quite none."""
+    beside = 1.0 - ti.abs(displacement)
     return 1e-6 + beside.x * beside.y * beside.z
 
 
@@ -77,12 +77,12 @@ def on_band(
             place = node_at(s, corner + offset, lattice, table)
             if place >= 0:
                 node = side * nodes[place]
-                way = inside - ti.cast(offset, real)
-                share = share_of_node(way)
-                rise = cell * node.xyz.dot(way)
+                displacement = inside - ti.cast(offset, real)
+                share = share_of_node(displacement)
+                rise = cell * node.xyz.dot(displacement)
                 known += share
                 like = node.xyz.dot(near.xyz)
-                plane = ahead_of - cell * near.xyz.dot(way)
+                plane = ahead_of - cell * near.xyz.dot(displacement)
                 if like > OPPOSITE and not (like < TURNED and node.w < plane + SEEN * cell):
                     ahead = vec4(node.xyz, node.w + rise)
                     straight += share * ahead

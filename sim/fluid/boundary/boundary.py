@@ -101,9 +101,9 @@ class Boundary:
         self.elsewhere.place(here, here, len(points), 0.0)
         return self.elsewhere
 
-    def hold_off(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
+    def prevent_penetration(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:
         """Keep particles on their side of what is thin."""
-        self.held_off += self.faces.hold_off(position, velocity, count, GAP * self.spacing)
+        self.held_off += self.faces.prevent_penetration(position, velocity, count, GAP * self.spacing)
 
     @property
     def bytes(self) -> int:

@@ -330,7 +330,7 @@ def sever(
 
 
 @ti.kernel
-def hold_off(
+def prevent_penetration(
     count: ti.i32,
     gap: real,
     position: Vec4Array,

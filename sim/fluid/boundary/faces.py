@@ -184,12 +184,12 @@ class Faces:
                 count, position, self.begin, self.size, self.solid, self.face, neighbors.size, neighbors.index
             )
 
-    def hold_off(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, gap: float) -> int:
+    def prevent_penetration(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, gap: float) -> int:
         """Bring particles back that have gone through a thin solid since they were listed, `gap` [m] off it; how many.
         Their velocities are those of the surface then, where they would go in."""
         if not self.shapes.thin:
             return 0
-        return face_sums.hold_off(
+        return face_sums.prevent_penetration(
             count, gap, position, velocity, *self._looks, self.begin, self.size, self.solid, self._near
         )
 

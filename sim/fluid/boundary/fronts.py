@@ -96,14 +96,14 @@ def nearest(
             place = node_at(s, corner + corner_of(k), lattice, table)
             if place >= 0:
                 node = side * nodes[place]
-                way = cell * (inside - ti.cast(corner_of(k), real))
+                displacement = cell * (inside - ti.cast(corner_of(k), real))
                 # Nowhere does a distance change by more than the way.
-                least = ti.max(least, node.w - way.norm())
+                least = ti.max(least, node.w - displacement.norm())
                 beyond = node.w > -ON * cell
                 if beyond and not outside:
                     outside, most = True, ti.cast(FAR, real)
                 if beyond == outside:
-                    most = ti.min(most, (way + node.w * node.xyz).norm())
+                    most = ti.min(most, (displacement + node.w * node.xyz).norm())
         ahead = ti.cast(-FAR, real)
         for k in range(8):
             place = node_at(s, corner + corner_of(k), lattice, table)
@@ -139,12 +139,12 @@ def nearer_in_a_hollow(
         place = node_at(s, corner + corner_of(k), lattice, table)
         if place >= 0:
             node = side * nodes[place]
-            way = inside - ti.cast(corner_of(k), real)
-            there = node.w + cell * node.xyz.dot(way)
+            displacement = inside - ti.cast(corner_of(k), real)
+            there = node.w + cell * node.xyz.dot(displacement)
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
-            plane = ahead - cell * first.xyz.dot(way)
+            plane = ahead - cell * first.xyz.dot(displacement)
             closer = known and node.w < plane - SEEN * cell and there >= 0.0 and there < least
-            if closer and not is_hidden(s, p, node, cell * way, side, outside, frame, lattice, table, nodes):
+            if closer and not is_hidden(s, p, node, cell * displacement, side, outside, frame, lattice, table, nodes):
                 found, least = vec4(node.xyz, node.xyz.dot(x) - there), there
     return found
 
@@ -154,7 +154,7 @@ def is_hidden(
     s: ti.i32,
     p: vec3d,
     node: vec4,
-    way: vec3,
+    displacement: vec3,
     side: real,
     outside: bool,
     frame: DoubleTable,
@@ -162,12 +162,12 @@ def is_hidden(
     table: IntArray,
     nodes: Vec4Array,
 ):
-    """Whether the surface is not there where p, `way` [m] from a `node`, is nearest to the half-space that this sees,
-    its foot. Another node of the cell around p or the foot is nearer to that than to the surface; or it sees one that
-    the foot is ahead of, and the surface bulges between them, each node nearer to the other's half-space than to its
-    own. So the rim hides a wall from above."""
+    """Whether the surface is not there where p, `displacement` [m] from a `node`, is nearest to the half-space that
+    this sees, its foot. Another node of the cell around p or the foot is nearer to that than to the surface; or it sees
+    one that the foot is ahead of, and the surface bulges between them, each node nearer to the other's half-space than
+    to its own. So the rim hides a wall from above."""
     cell = ti.cast(frame[s, 3], real)
-    to_foot = -(node.w + node.xyz.dot(way)) * node.xyz
+    to_foot = -(node.w + node.xyz.dot(displacement)) * node.xyz
     hidden = False
     for at in range(2):
         moved = ti.cast(at, real) * to_foot
@@ -179,7 +179,7 @@ def is_hidden(
                     other = side * nodes[place]
                     from_other = cell * (inside - ti.cast(corner_of(k), real)) + to_foot - moved
                     ahead = other.w + other.xyz.dot(from_other)
-                    its = ahead - other.xyz.dot(way + to_foot)
+                    its = ahead - other.xyz.dot(displacement + to_foot)
                     bulges = other.w > SEEN * cell - node.xyz.dot(from_other) and node.w > its + SEEN * cell
                     hidden = ahead > SEEN * cell and bulges and outside == (other.w > -ON * cell)
                     hidden = hidden or other.w > from_other.norm() + NEARER * cell
@@ -243,15 +243,15 @@ def across_an_edge(
         place = node_at(s, corner + offset, lattice, table)
         if place >= 0:
             node = side * nodes[place]
-            way = inside - ti.cast(offset, real)
-            there = node.w + cell * node.xyz.dot(way)
+            displacement = inside - ti.cast(offset, real)
+            there = node.w + cell * node.xyz.dot(displacement)
             like, other = node.xyz.dot(first.xyz), node.xyz.dot(second.xyz)
-            plane = ahead - cell * first.xyz.dot(way)
+            plane = ahead - cell * first.xyz.dot(displacement)
             known = there > least_known - NEARER * cell and outside == (node.w > -ON * cell)
             new = like > OPPOSITE and (second.w >= FAR or (other > OPPOSITE and other < BENT))
             rank = ti.select(there < 0.0, -FAR * there, there)
             likely = known and new and there < reach and rank < least and is_hollow(like, node.w, plane, cell)
-            if likely and not is_hidden(s, p, node, cell * way, side, outside, frame, lattice, table, nodes):
+            if likely and not is_hidden(s, p, node, cell * displacement, side, outside, frame, lattice, table, nodes):
                 front = vec4(node.xyz, node.xyz.dot(x) - there)
                 flat = k < 8 or is_flat(s, corner + away, corner + offset, lattice, table, nodes, cell)
                 if flat and is_face(s, p, front, beside, side, frame, lattice, table, nodes):

@@ -48,7 +48,7 @@ def approach(
 
 
 @ti.kernel
-def remember_way(count: ti.i32, dt: real, push: Vec4Array, pressed: Vec4Array):
+def remember_displacement(count: ti.i32, dt: real, pressure_acceleration: Vec4Array, pressed: Vec4Array):
     """Keep the way [m] by pressure, for the force on bodies."""
     for i in range(count):
-        pressed[i] = vec4(dt * dt * push[i].xyz, 0.0)
+        pressed[i] = vec4(dt * dt * pressure_acceleration[i].xyz, 0.0)

@@ -61,7 +61,7 @@ class Momentum:
         explicit = self.viscosity + 0.1 * self.artificial
         half, spec, bodies = 0.5 * self.system.h, self.system.spec, self.system.bodies
         # What slows a particle against a body speeds up the body, the more the lighter it is.
-        strongest = self.grip.strongest * (1.0 + bodies.lightness if bodies else 1.0)
+        strongest = self.grip.strongest * (1.0 + bodies.layer_mass_ratio if bodies else 1.0)
         return {
             "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": tension_limit(half, spec),

@@ -32,9 +32,9 @@ def load_forces(system: FluidSystem) -> list[Force]:
     """The forces that the settings of a system ask for."""
     forces: list[Force] = []
     if has_tension(system.spec):
-        from sim.fluid.forces.surface_tension import Tension
+        from sim.fluid.forces.surface_tension import SurfaceTension
 
-        forces.append(Tension(system))
+        forces.append(SurfaceTension(system))
     if system.spec.adhesion > 0 and (system.boundary.sampled > 0 or system.boundary.shapes.count > 0):
         from sim.fluid.forces.adhesion import Adhesion
 

@@ -37,7 +37,7 @@ def strength(surface_tension: float, spacing: float, h: float, rest_density: flo
     return surface_tension / (rest_density * h * h * share)
 
 
-class Tension:
+class SurfaceTension:
     """The force on the particles of a system, whose arrays are those declared in ARRAYS."""
 
     def __init__(self, system: FluidSystem):

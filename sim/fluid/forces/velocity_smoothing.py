@@ -58,7 +58,7 @@ class Mixing:
 
     def mix(self, dt: float) -> dict[str, float]:
         """Even out velocities over a step dt [s]; positions, densities and neighbours are given. Returns statistics."""
-        told = self._viscosity.apply(dt) if self._viscosity else {"capped": False}
+        stats = self._viscosity.apply(dt) if self._viscosity else {"capped": False}
         if self._xsph:
             self._xsph.apply()
-        return told | {"viscosity_capped": told["capped"]}
+        return stats | {"viscosity_capped": stats["capped"]}

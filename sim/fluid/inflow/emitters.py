@@ -77,7 +77,7 @@ class Outlet:
         """Box around the particles that are led [m], shape [2, 3]."""
         return np.array([self.lane.min(axis=0), self.lane.max(axis=0)])
 
-    def way(self, begin: float, end: float) -> float:
+    def distance(self, begin: float, end: float) -> float:
         """How far it lets fluid move [m] from one time to another [s]."""
         return self.speed * max(0.0, min(end, self.stop) - max(begin, self.start))
 

@@ -100,7 +100,7 @@ class Flow:
         for outlet in self.outlets:
             sent = self.ledger.of(outlet.name)
             whole = _whole(sent.layers)
-            sent.layers += outlet.way(self.time, end) / outlet.spacing
+            sent.layers += outlet.distance(self.time, end) / outlet.spacing
             since_stop = outlet.speed * max(0.0, end - max(outlet.stop, self.time))
             for layer in range(whole + 1, _whole(sent.layers) + 1):
                 yield outlet, (sent.layers - layer) * outlet.spacing + since_stop

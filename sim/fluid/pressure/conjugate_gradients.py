@@ -43,7 +43,7 @@ class Solution:
     more compression is left than was asked."""
 
     iterations: int
-    way: float
+    displacement: float
     capped: bool
 
 
@@ -89,15 +89,15 @@ class ConjugateGradients:
         for iteration in range(1, most + 1):
             if bodies:
                 self._iterate(PUSH, dt, first=iteration == 1)
-                bodies.answer(ahead)
+                bodies.respond(ahead)
                 mean, worst = self._iterate(DESCEND, dt, first=iteration == 1)
             else:
                 mean, worst = self._iterate(WHOLE, dt, first=iteration == 1)
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
         if bodies:
-            bodies.press(ahead)
-        push = _finish(
+            bodies.gather_pressures(ahead)
+        strongest = _finish(
             system.count,
             dt,
             warm,
@@ -108,7 +108,7 @@ class ConjugateGradients:
             particles.source,
             particles.acceleration,
         )
-        return Solution(iteration, dt * dt * push, mean > tolerance or worst > self.worst)
+        return Solution(iteration, dt * dt * strongest, mean > tolerance or worst > self.worst)
 
     def _iterate(self, part: int, dt: float, *, first: bool) -> tuple[float, float]:
         system, particles = self.system, self.system.particles
@@ -122,7 +122,7 @@ class ConjugateGradients:
             system.mass,
             first,
             particles.position,
-            particles.push,
+            particles.pressure_acceleration,
             particles.kept,
             particles.search,
             particles.solid,
@@ -133,8 +133,8 @@ class ConjugateGradients:
             *system.boundary.faces.lists,
             system.boundary.faces.excess,
             self.corrected,
-            particles.correction if self.corrected else particles.push,
-            particles.skew if self.corrected else particles.push,
+            particles.correction if self.corrected else particles.pressure_acceleration,
+            particles.skew if self.corrected else particles.pressure_acceleration,
             self._sums,
         )
         return mean, worst
@@ -252,7 +252,7 @@ def _iterate(
     mass: real,
     first: ti.i32,
     position: Vec4Array,
-    push: Vec4Array,
+    pressure_acceleration: Vec4Array,
     kept: Vec4Array,
     search: Vec4Array,
     solid: Vec4Array,
@@ -290,13 +290,13 @@ def _iterate(
             a -= position[i].w * solid[i].xyz
             if solids_near[i] > 0:
                 a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-            push[i].xyz = a
+            pressure_acceleration[i].xyz = a
     if ti.static(part != PUSH):
         for row in range(rows):
             gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
             within = span(row, rows, count)
             for i in range(within[0], within[1]):
-                x, a = position[i], push[i].xyz
+                x, a = position[i], pressure_acceleration[i].xyz
                 change = ti.cast(0.0, real)
                 lens = ti.Matrix.identity(real, 3)
                 if ti.static(corrected):
@@ -306,14 +306,14 @@ def _iterate(
                     d = x.xyz - position[j].xyz
                     slope = cubic_slope(d.norm() * inverse_h)
                     if ti.static(corrected):
-                        change += slope * (lens @ d).dot(a - push[j].xyz)
+                        change += slope * (lens @ d).dot(a - pressure_acceleration[j].xyz)
                     else:
-                        change += slope * d.dot(a - push[j].xyz)
+                        change += slope * d.dot(a - pressure_acceleration[j].xyz)
                 change = strength * change + a.dot(solid[i].xyz)
                 if ti.static(part == DESCEND):
-                    change -= push[i].w
+                    change -= pressure_acceleration[i].w
                 left = source[i] + dt2 * change
-                push[i].w = left
+                pressure_acceleration[i].w = left
                 step = x.w - search[i].x
                 gain += step * kept[i].w
                 bend += step * (kept[i].w - left)
@@ -334,7 +334,7 @@ def _iterate(
             within = span(row, rows, count)
             for i in range(within[0], within[1]):
                 step = share * (position[i].w - search[i].x)
-                change = share * (push[i] - kept[i])
+                change = share * (pressure_acceleration[i] - kept[i])
                 kept[i] += change
                 search[i].x += step
                 search[i].y = step

@@ -12,7 +12,7 @@ from typing import ClassVar
 import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real
-from sim.fluid.boundary.samples import remember_way
+from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.hyperviscosity import Hyperviscosity
 from sim.fluid.pressure import gradient_correction, projection
 from sim.fluid.pressure.conjugate_gradients import ConjugateGradients
@@ -60,7 +60,7 @@ class Dfsph(Incompressible):
     def examine(self, dt: float) -> None:
         self.projection.prepare()
 
-    def press(self, dt: float) -> dict[str, float]:
+    def solve_pressures(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance = settings.divergence_error * system.spec.rest_density / self.deep
         if system.boundary.shapes.bodies:
@@ -72,7 +72,7 @@ class Dfsph(Incompressible):
         system.meet(dt)
         compression_rates(system, dt, self.projection.smallest_diagonal)
         if system.bodies:
-            system.bodies.expect(dt)
+            system.bodies.subtract_predicted(dt)
         solution = self.divergence.solve(
             dt,
             tolerance,
@@ -82,13 +82,13 @@ class Dfsph(Incompressible):
             ahead=dt,
         )
         if system.bodies:
-            system.bodies.take(dt)
-            system.bodies.hold(dt)
+            system.bodies.apply(dt)
+            system.bodies.hold_along_surfaces(dt)
         if system.remembers:
-            remember_way(system.count, dt, particles.kept, particles.pressed)
+            remember_displacement(system.count, dt, particles.kept, particles.pressed)
         return {"divergence_iterations": solution.iterations, "capped": solution.capped}
 
-    def part(self, dt: float) -> dict[str, float]:
+    def separate(self, dt: float) -> dict[str, float]:
         tolerance = self.settings.density_error * self.system.spec.rest_density
         iterations, most, last = 0, self.most_iterations, float("inf")
         for _ in range(MOST_LOOKS):

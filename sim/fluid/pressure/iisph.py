@@ -10,7 +10,7 @@ from typing import ClassVar
 import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec4
-from sim.fluid.boundary.samples import remember_way
+from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.conjugate_gradients import ConjugateGradients, Solution
 from sim.fluid.pressure.incompressible import Incompressible, kick
@@ -46,19 +46,19 @@ class Iisph(Incompressible):
     def examine(self, dt: float) -> None:
         self.projection.prepare()
 
-    def press(self, dt: float) -> dict[str, float]:
+    def solve_pressures(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance = settings.density_error * system.spec.rest_density / self.deep
         self.projection.predict(dt)
         if system.bodies:
-            system.bodies.expect(dt)
+            system.bodies.subtract_predicted(dt)
         solution = self.gradients.solve(
             dt, tolerance, settings.min_iterations, self.most_iterations, warm=True, ahead=dt
         )
         if system.bodies:
-            system.bodies.take(dt)
+            system.bodies.apply(dt)
         if system.remembers:
-            remember_way(system.count, dt, particles.kept, particles.pressed)
+            remember_displacement(system.count, dt, particles.kept, particles.pressed)
             particles.corrected.fill(0.0)
         return self._look_again(dt, tolerance, solution)
 
@@ -68,14 +68,14 @@ class Iisph(Incompressible):
         far = FAR * min(1.0, math.sqrt(self.settings.density_error / COARSE)) * self.system.spec.spacing
         last = math.inf
         for _ in range(MOST_LOOKS):
-            if solution.way <= far or iterations >= most:
+            if solution.displacement <= far or iterations >= most:
                 break
             self.projection.predict(dt)
             mean, worst = self.gradients.compression()
             if mean > max(tolerance, LESS * last):
                 kick(self.system.count, -dt, self.system.particles.velocity, self.system.particles.kept)
                 if self.system.bodies:
-                    self.system.bodies.undo(dt)
+                    self.system.bodies.revert(dt)
                 self._take(dt, -1.0)
                 break
             if mean <= tolerance and worst <= self.gradients.worst:
@@ -84,7 +84,7 @@ class Iisph(Incompressible):
             solution = self.gradients.solve(dt, tolerance, 1, most - iterations, warm=False, ahead=dt)
             self._take(dt, 1.0)
             if self.system.bodies:
-                self.system.bodies.take(dt)
+                self.system.bodies.apply(dt)
             iterations, capped = iterations + solution.iterations, solution.capped
         return {"pressure_iterations": iterations, "capped": capped}
 
@@ -107,9 +107,15 @@ def _take(count: ti.i32, sign: real, position: Vec4Array, acceleration: Vec4Arra
 
 @ti.kernel
 def _remember_correction(
-    count: ti.i32, sign: real, dt: real, push: Vec4Array, search: Vec4Array, pressed: Vec4Array, corrected: Vec4Array
+    count: ti.i32,
+    sign: real,
+    dt: real,
+    pressure_acceleration: Vec4Array,
+    search: Vec4Array,
+    pressed: Vec4Array,
+    corrected: Vec4Array,
 ):
     for i in range(count):
-        way = sign * dt * dt * push[i].xyz
-        pressed[i].xyz += way
-        corrected[i] += vec4(way, sign * search[i].x)
+        displacement = sign * dt * dt * pressure_acceleration[i].xyz
+        pressed[i].xyz += displacement
+        corrected[i] += vec4(displacement, sign * search[i].x)

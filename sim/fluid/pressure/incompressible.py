@@ -10,7 +10,7 @@ from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import Mixing
 from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
-from sim.fluid.time_step_limits import fall_limit, pressure_limit, way_limit
+from sim.fluid.time_step_limits import displacement_limit, fall_limit, pressure_limit
 from sim.free_fall import OTHERS
 
 WORST = 0.1
@@ -49,7 +49,7 @@ class Incompressible:
         """Largest stable time steps [s]: the way of particles, pressure, gravity, and the other forces."""
         half = 0.5 * self.system.h
         return {
-            "signal": way_limit(cfl * half, measure.pace + self.system.boundary.speed),
+            "signal": displacement_limit(cfl * half, measure.pace + self.system.boundary.speed),
             "pressure": pressure_limit(cfl * half, measure.pressure_max, self.system.spec.rest_density),
             "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
         } | self.momentum.step_limits()
@@ -88,47 +88,47 @@ class Incompressible:
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
         if system.bodies:
-            system.bodies.hear(self.momentum)
+            system.bodies.gather_forces(self.momentum)
         system.lead()
         _set_off(system.count, dt, particles.velocity, particles.acceleration, particles.before)
         if system.bodies:
-            system.bodies.foresee(dt)
+            system.bodies.predict(dt)
         system.boundary.move()
-        told = self.mixing.mix(dt)
+        stats = self.mixing.mix(dt)
         system.lead()
-        _tell(told, self.press(dt))
+        _tell(stats, self.solve_pressures(dt))
         system.lead()
         if system.bodies:
-            told |= system.bodies.settle(dt)
+            stats |= system.bodies.commit(dt)
             system.boundary.move()
         _move(system.count, dt, vec3(*system.gravity), particles.position, particles.velocity, particles.before)
-        _tell(told, self.part(dt))
+        _tell(stats, self.separate(dt))
         if system.bodies:
-            system.bodies.hold_off(dt)
-        system.boundary.hold_off(particles.position, particles.velocity, system.count)
+            system.bodies.prevent_penetration(dt)
+        system.boundary.prevent_penetration(particles.position, particles.velocity, system.count)
         system.exchange(dt)
         system.find_neighbors(dt=dt)
         self.examine(dt)
-        return told
+        return stats
 
     def examine(self, dt: float) -> None:
         """Find densities, and what else the solver needs, at the present positions."""
         raise NotImplementedError
 
-    def press(self, dt: float) -> dict[str, float]:
+    def solve_pressures(self, dt: float) -> dict[str, float]:
         """Find pressures and add what they do to velocities; returns the statistics."""
         raise NotImplementedError
 
-    def part(self, dt: float) -> dict[str, float]:
+    def separate(self, dt: float) -> dict[str, float]:
         """Move apart what is too dense where all are after the step dt [s], without a change of velocities; returns the
         statistics."""
         return {}
 
 
-def _tell(told: dict[str, float], more: dict[str, float]) -> None:
+def _tell(stats: dict[str, float], more: dict[str, float]) -> None:
     """Add the statistics of one more part of a step."""
     for name, value in more.items():
-        told[name] = told.get(name, 0) + value
+        stats[name] = stats.get(name, 0) + value
 
 
 @ti.kernel
@@ -154,9 +154,9 @@ def _move(count: ti.i32, dt: real, gravity: vec3, position: Vec4Array, velocity:
     """
     g2 = gravity.norm_sqr()
     for i in range(count):
-        way = dt * velocity[i].xyz
+        displacement = dt * velocity[i].xyz
         if g2 > 0.0:
             others = (velocity[i].xyz - before[i].xyz) / dt - gravity
             falls = 1.0 - ti.sqrt(others.norm_sqr() / g2) / OTHERS
-            way -= 0.5 * dt * dt * ti.max(falls, 0.0) * gravity
-        position[i].xyz += way
+            displacement -= 0.5 * dt * dt * ti.max(falls, 0.0) * gravity
+        position[i].xyz += displacement

@@ -19,7 +19,7 @@ import taichi as ti
 from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
-from sim.fluid.boundary.samples import remember_way, sheet_share
+from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
 from sim.fluid.kernel import cubic, cubic_slope_host, lattice
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
@@ -36,7 +36,7 @@ class Pcisph(Incompressible):
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Incompressible.BEFORE,
-        Declared("push", "vec4", "acceleration by pressure [m/s^2]", sorted=False, saved=False),
+        Declared("pressure_acceleration", "vec4", "acceleration by pressure [m/s^2]", sorted=False, saved=False),
         Declared(
             "predicted", "vec4", "position after the step [m]; w: compression [kg/m^3]", sorted=False, saved=False
         ),
@@ -55,29 +55,43 @@ class Pcisph(Incompressible):
 
     def examine(self, dt: float) -> None:
         particles = self.system.particles
-        _predict(self.system.count, 0.0, particles.position, particles.velocity, particles.push, particles.predicted)
+        _predict(
+            self.system.count,
+            0.0,
+            particles.position,
+            particles.velocity,
+            particles.pressure_acceleration,
+            particles.predicted,
+        )
         self._compress(0.0, fresh=True)
         _keep_density(self.system.count, self.system.spec.rest_density, particles.velocity, particles.predicted)
 
-    def press(self, dt: float) -> dict[str, float]:
+    def solve_pressures(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
         tolerance, worst_allowed = settings.density_error * system.spec.rest_density, WORST * system.spec.rest_density
-        _begin(system.count, particles.position, particles.push, particles.solid)
+        _begin(system.count, particles.position, particles.pressure_acceleration, particles.solid)
         bodies = system.bodies
         for iteration in range(1, self.most_iterations + 1):
-            _predict(system.count, dt, particles.position, particles.velocity, particles.push, particles.predicted)
+            _predict(
+                system.count,
+                dt,
+                particles.position,
+                particles.velocity,
+                particles.pressure_acceleration,
+                particles.predicted,
+            )
             if bodies:
-                bodies.answer(dt, beside_expected=True)
+                bodies.respond(dt, beside_expected=True)
             mean, worst = self._compress(dt, fresh=iteration == 1)
             good = mean <= tolerance and worst <= worst_allowed
             if good and iteration >= settings.min_iterations:
                 break
             self._raise(dt)
         if bodies:
-            bodies.take(dt)
-        kick(system.count, dt, particles.velocity, particles.push)
+            bodies.apply(dt)
+        kick(system.count, dt, particles.velocity, particles.pressure_acceleration)
         if system.remembers:
-            remember_way(system.count, dt, particles.push, particles.pressed)
+            remember_displacement(system.count, dt, particles.pressure_acceleration, particles.pressed)
         return {"pressure_iterations": iteration, "capped": not good}
 
     def _compress(self, dt: float, *, fresh: bool) -> tuple[float, float]:
@@ -96,7 +110,7 @@ class Pcisph(Incompressible):
             fresh,
             system.bodies is not None,
             system.particles.predicted,
-            system.particles.push,
+            system.particles.pressure_acceleration,
             system.particles.solid,
             *system.lists,
             system.boundary.faces.share,
@@ -112,11 +126,11 @@ class Pcisph(Incompressible):
             system.count,
             RELAXATION / (dt * dt),
             self.lattice_sum,
-            1.0 + (system.bodies.lightness if system.bodies else 0.0),
+            1.0 + (system.bodies.layer_mass_ratio if system.bodies else 0.0),
             system.h,
             system.mass,
             particles.position,
-            particles.push,
+            particles.pressure_acceleration,
             particles.predicted,
             particles.solid,
             system.neighbors.size,
@@ -126,17 +140,24 @@ class Pcisph(Incompressible):
 
 
 @ti.kernel
-def _begin(count: ti.i32, position: Vec4Array, push: Vec4Array, solid: Vec4Array):
+def _begin(count: ti.i32, position: Vec4Array, pressure_acceleration: Vec4Array, solid: Vec4Array):
     for i in range(count):
         position[i].w = 0.0
-        push[i] = vec4(0.0)
+        pressure_acceleration[i] = vec4(0.0)
         solid[i] = vec4(0.0)
 
 
 @ti.kernel
-def _predict(count: ti.i32, dt: real, position: Vec4Array, velocity: Vec4Array, push: Vec4Array, predicted: Vec4Array):
+def _predict(
+    count: ti.i32,
+    dt: real,
+    position: Vec4Array,
+    velocity: Vec4Array,
+    pressure_acceleration: Vec4Array,
+    predicted: Vec4Array,
+):
     for i in range(count):
-        predicted[i].xyz = position[i].xyz + dt * (velocity[i].xyz + dt * push[i].xyz)
+        predicted[i].xyz = position[i].xyz + dt * (velocity[i].xyz + dt * pressure_acceleration[i].xyz)
 
 
 @ti.kernel
@@ -155,7 +176,7 @@ def _compress(
     fresh: ti.i32,
     has_bodies: ti.template(),
     predicted: Vec4Array,
-    push: Vec4Array,
+    pressure_acceleration: Vec4Array,
     solid: Vec4Array,
     size: IntArray,
     index: IntTable,
@@ -187,7 +208,7 @@ def _compress(
         density = mass * norm * (near + itself(size[i])) + rest_density * share.w
         predicted[i].w = relieved(density, rest_density, excess[i]) - rest_density
         if ti.static(has_bodies):
-            predicted[i].w -= dt * dt * push[i].w
+            predicted[i].w -= dt * dt * pressure_acceleration[i].w
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
         within = span(block, BLOCKS, count)
@@ -213,7 +234,7 @@ def _raise(
     h: real,
     mass: real,
     position: Vec4Array,
-    push: Vec4Array,
+    pressure_acceleration: Vec4Array,
     predicted: Vec4Array,
     solid: Vec4Array,
     size: IntArray,
@@ -235,4 +256,4 @@ def _raise(
         a = strength * a - position[i].w * solid[i].xyz
         if solid[i].xyz.any():
             a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-        push[i].xyz = a
+        pressure_acceleration[i].xyz = a

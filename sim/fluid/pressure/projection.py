@@ -27,7 +27,7 @@ from sim.neighbors.spatial_hash import itself, padded
 
 ARRAYS = (
     Declared(
-        "push",
+        "pressure_acceleration",
         "vec4",
         "acceleration by pressure [m/s^2], or between steps by friction; w: s + dt^2 L q [kg/m^3]",
         sorted=False,
@@ -85,7 +85,7 @@ class Projection:
             particles.diagonal,
             self.viscosity > 0,
             self.viscosity,
-            particles.push,
+            particles.pressure_acceleration,
             *system.lists,
             system.boundary.faces.share,
         )
@@ -128,7 +128,7 @@ def _prepare(
     diagonal: RealArray,
     has_viscosity: ti.template(),
     viscosity: real,
-    push: Vec4Array,
+    pressure_acceleration: Vec4Array,
     size: IntArray,
     index: IntTable,
     has_samples: ti.template(),
@@ -158,7 +158,7 @@ def _prepare(
             if ti.static(has_viscosity):
                 rub += viscous(d.dot(v - velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
         if ti.static(has_viscosity):
-            push[i].xyz = mass * slope_norm / rest_density * rub
+            pressure_acceleration[i].xyz = mass * slope_norm / rest_density * rub
         density = mass * norm * (near + itself(size[i]))
         share = solids[i]
         if ti.static(has_samples):

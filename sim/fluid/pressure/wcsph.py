@@ -46,13 +46,13 @@ class Wcsph:
         half, bodies = 0.5 * self.system.h, self.system.bodies
         signal = cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed)
         limits = {"signal": signal, "force": force_limit(half, measure.a_max)} | self.momentum.step_limits()
-        return limits | ({"light body": light_limit(signal, bodies.lightness)} if bodies else {})
+        return limits | ({"light body": light_limit(signal, bodies.layer_mass_ratio)} if bodies else {})
 
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""
         self._accelerate()
         if self.system.bodies:
-            self.system.bodies.strike(0.0, self.momentum)
+            self.system.bodies.kick(0.0, self.momentum)
         self.system.lead()
 
     def restore(self) -> None:
@@ -64,25 +64,25 @@ class Wcsph:
         """One step of velocity Verlet; forces that depend on velocity take it at half the step."""
         particles, last, boundary = self.system.particles, self.system.measured, self.system.boundary
         _drift(self.system.count, dt, particles.position, particles.velocity, particles.acceleration)
-        told = {}
+        stats = {}
         if self.system.bodies:
-            told = self.system.bodies.drift(dt)
-            self.system.bodies.hold_off(dt)
+            stats = self.system.bodies.drift(dt)
+            self.system.bodies.prevent_penetration(dt)
         boundary.move()
-        boundary.hold_off(particles.position, particles.velocity, self.system.count)
-        way = dt * max(last.v_max + dt * last.a_max, boundary.speed)
-        self.system.exchange(dt, way)
-        self._accelerate(way, dt)
+        boundary.prevent_penetration(particles.position, particles.velocity, self.system.count)
+        distance = dt * max(last.v_max + dt * last.a_max, boundary.speed)
+        self.system.exchange(dt, distance)
+        self._accelerate(distance, dt)
         if self.system.bodies:
-            self.system.bodies.strike(dt, self.momentum)
+            self.system.bodies.kick(dt, self.momentum)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        told |= self.mixing.mix(dt)
+        stats |= self.mixing.mix(dt)
         self.system.lead()
-        return told
+        return stats
 
-    def _accelerate(self, way: float = float("inf"), dt: float = 0.0) -> None:
+    def _accelerate(self, distance: float = float("inf"), dt: float = 0.0) -> None:
         system = self.system
-        system.find_neighbors(way, dt)
+        system.find_neighbors(distance, dt)
         particles = system.particles
         _density(
             system.count,

@@ -27,7 +27,7 @@ def shape_arrays(bodies: Sequence[Body]) -> dict[str, Any]:
         "first_feature": integers(np.concatenate(([0], np.cumsum(counts)))),
         "feature": integers([kind for feature in features for kind in feature.kind]),
         "centre": vectors(centres),
-        "way": vectors([way for feature in features for way in feature.way]),
+        "direction": vectors([direction for feature in features for direction in feature.direction]),
         "rounding": numbers([rounding for feature in features for rounding in feature.rounding]),
         "cone": np.array([cone for feature in features for cone in feature.cone]).reshape(-1, 4),
         **_grids(bodies),

@@ -186,13 +186,13 @@ def _faces_meet(
             su, sv, sn, du, dv, dn, reach = i * p_half * pu, i * p_half * pv, i * p_half * pn, qu, qv, qn, q_half
             if edge >= 2:
                 su, sv, sn, du, dv, dn, reach = i * q_half * qu, i * q_half * qv, i * q_half * qn, pu, pv, pn, p_half
-            start, way, limit, other, other_way, other_limit = mu + su, du, u_half, mv + sv, dv, v_half
+            start, direction, limit, other, other_direction, other_limit = mu + su, du, u_half, mv + sv, dv, v_half
             if side >= 2:
-                start, way, limit, other, other_way, other_limit = mv + sv, dv, v_half, mu + su, du, u_half
-            if abs(way) > 1e-9:
-                t = (j * limit - start) / way
+                start, direction, limit, other, other_direction, other_limit = mv + sv, dv, v_half, mu + su, du, u_half
+            if abs(direction) > 1e-9:
+                t = (j * limit - start) / direction
                 cu, cv, gap = mu + su + t * du, mv + sv + t * dv, mn + sn + t * dn
-                shared = abs(t) < reach and abs(other + t * other_way) < other_limit
+                shared = abs(t) < reach and abs(other + t * other_direction) < other_limit
         if shared and gap < margin:
             place = centre + u * cu + v * cv + out * (0.5 * gap)
             count = add(first, count, FEW, size, place, sign * out, gap, 0.0, found)

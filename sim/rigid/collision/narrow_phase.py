@@ -90,7 +90,7 @@ Shapes = ti.types.argpack(
     first_feature=Integers,
     feature=Integers,
     centre=Vectors,
-    way=Vectors,
+    direction=Vectors,
     rounding=Numbers,
     cone=Quaternions,
     grid=Integers,
@@ -193,9 +193,9 @@ def _look_up(
     for f in range(shapes.first_feature[a], shapes.first_feature[a + 1]):
         kind, rounding = shapes.feature[f], shapes.rounding[f]
         centre = shift + turn @ shapes.centre[f]
-        way = turn @ shapes.way[f]
+        direction = turn @ shapes.direction[f]
         # A circle's other axis is normal to this one and to the body's own y.
-        across = turn @ vec3(0.0, 0.0, shapes.way[f][0])
+        across = turn @ vec3(0.0, 0.0, shapes.direction[f][0])
         tries = 1
         straight = kind != POINT and kind != CIRCLE
         if straight:
@@ -209,35 +209,35 @@ def _look_up(
         for trial in range(tries):
             section = trial - (tries - SECTIONS)
             final = trial == tries - 1
-            place, told = centre, kind == POINT
+            place, valid = centre, kind == POINT
             if trial > 0:
                 if straight:
                     if section < 0:
-                        t, told = ti.cast(2 * trial - 3, ti.f64), kind == SEGMENT
+                        t, valid = ti.cast(2 * trial - 3, ti.f64), kind == SEGMENT
                     elif section == 0:
                         search.low, search.high = -1.0, 1.0
                 elif section < 0:
-                    t, told = AROUND_STEP * ti.cast(trial, ti.f64), trial % 2 == 0
+                    t, valid = AROUND_STEP * ti.cast(trial, ti.f64), trial % 2 == 0
                 elif section == 0:
                     search.low, search.high = search.best - AROUND_STEP, search.best + AROUND_STEP
                 if section >= 0:
-                    t, told = search.next(section, final), final
-                place = centre + t * way
+                    t, valid = search.next(section, final), final
+                place = centre + t * direction
                 if kind == CIRCLE:
-                    place = centre + ti.cos(t) * way + ti.sin(t) * across
+                    place = centre + ti.cos(t) * direction + ti.sin(t) * across
             around = distance(kinds, b, place, shapes)
-            if trial == 0 and around[3] >= margin + rounding + way.norm():
+            if trial == 0 and around[3] >= margin + rounding + direction.norm():
                 break
             search.learn(trial, section, t, around[3])
             gap = around[3] - rounding
             if kind == CIRCLE and not final:
                 # Points beside the nearest count where the circle lies flat: one that rolls does not stop at them.
-                flat = way.cross(across).normalized(1e-30).dot(vec3(around[0], around[1], around[2]))
-                told = told and abs(flat) > FLAT
+                flat = direction.cross(across).normalized(1e-30).dot(vec3(around[0], around[1], around[2]))
+                valid = valid and abs(flat) > FLAT
             if kind == AXIS:
                 # At an end the round side is not what is nearest.
-                told = told and abs(t) < INNER
-            if told and gap < margin:
+                valid = valid and abs(t) < INNER
+            if valid and gap < margin:
                 normal = vec3(around[0], around[1], around[2])
                 middle = place - normal * (rounding + 0.5 * gap)
                 if ti.static(kinds & (1 << GRID) > 0):
@@ -276,28 +276,28 @@ def _facing(direction: vec3, turn: mat3, cone: vec4, coarse: ti.i32) -> vec3:
 def distance(kinds: ti.template(), body: ti.i32, p: vec3, shapes: ti.template()) -> vec4:
     """Signed distance of a point in the body's frame, and the direction in which it grows."""
     kind, size = shapes.kind[body], shapes.size[body]
-    told = vec4(0.0)
+    distance = vec4(0.0)
     if ti.static(kinds & (1 << PLANE) > 0):
         if kind == PLANE:
-            told = distance_to_plane(p)
+            distance = distance_to_plane(p)
     if ti.static(kinds & (1 << SPHERE) > 0):
         if kind == SPHERE:
-            told = distance_to_sphere(p, size[0])
+            distance = distance_to_sphere(p, size[0])
     if ti.static(kinds & (1 << BOX) > 0):
         if kind == BOX:
-            told = distance_to_box(p, size)
+            distance = distance_to_box(p, size)
     if ti.static(kinds & (1 << CAPSULE) > 0):
         if kind == CAPSULE:
-            told = distance_to_capsule(p, size[0], size[1])
+            distance = distance_to_capsule(p, size[0], size[1])
     if ti.static(kinds & (1 << CYLINDER) > 0):
         if kind == CYLINDER:
-            told = distance_to_cylinder(p, size[0], size[1])
+            distance = distance_to_cylinder(p, size[0], size[1])
     if ti.static(kinds & (1 << TORUS) > 0):
         if kind == TORUS:
-            told = distance_to_torus(p, size[0], size[1])
+            distance = distance_to_torus(p, size[0], size[1])
     if ti.static(kinds & (1 << GRID) > 0):
         if kind == GRID:
-            told = distance_on_grid(p, shapes.grid, shapes.frame, shapes.values, body)
+            distance = distance_on_grid(p, shapes.grid, shapes.frame, shapes.values, body)
             if shapes.hollow[body] == 1:
-                told = -told
-    return told
+                distance = -distance
+    return distance

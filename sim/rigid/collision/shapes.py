@@ -35,7 +35,7 @@ class Features:
     kind: list[int] = field(default_factory=list)
     centre: list[np.ndarray] = field(default_factory=list)
     """[m], shape [3]."""
-    way: list[np.ndarray] = field(default_factory=list)
+    direction: list[np.ndarray] = field(default_factory=list)
     """From the centre of a segment or axis to its end [m], or (R, 0, 0) of a circle about y with the radius R."""
     rounding: list[float] = field(default_factory=list)
     """[m]"""
@@ -46,13 +46,13 @@ class Features:
         self,
         kind: int,
         centre: np.ndarray,
-        way: np.ndarray | None = None,
+        direction: np.ndarray | None = None,
         rounding: float = 0.0,
         cone: np.ndarray | None = None,
     ) -> None:
         self.kind.append(kind)
         self.centre.append(np.asarray(centre, dtype=float))
-        self.way.append(np.zeros(3) if way is None else np.asarray(way, dtype=float))
+        self.direction.append(np.zeros(3) if direction is None else np.asarray(direction, dtype=float))
         self.rounding.append(rounding)
         self.cone.append(np.array(normal_cones.ANY) if cone is None else cone)
 

@@ -131,9 +131,9 @@ def _step(
 
     def towards(aim: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         right = (_times(unscaling, _quotient(both, aim)) + lifted(missing)).ravel()
-        way = solve(right)
-        way += solve(right - system @ way)
-        return way.reshape(count, 3), lifted((matrix @ way).reshape(count, 3) - missing)
+        direction = solve(right)
+        direction += solve(right - system @ direction)
+        return direction.reshape(count, 3), lifted((matrix @ direction).reshape(count, 3) - missing)
 
     ahead_x, ahead_y = towards(-_product(both, both))
     far = min(1.0, _room(x, ahead_x), _room(y, ahead_y))
@@ -201,11 +201,15 @@ def _quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.column_stack((first, (b[:, 1:] - first[:, None] * a[:, 1:]) / a[:, :1]))
 
 
-def _room(x: np.ndarray, way: np.ndarray) -> float:
-    """How many times `way` all of x stay in the cone."""
-    a, b, c = (way * REFLECTION * way).sum(axis=1), (x * REFLECTION * way).sum(axis=1), _norm(x)
+def _room(x: np.ndarray, direction: np.ndarray) -> float:
+    """How many times `direction` all of x stay in the cone."""
+    a, b, c = (
+        (direction * REFLECTION * direction).sum(axis=1),
+        (x * REFLECTION * direction).sum(axis=1),
+        _norm(x),
+    )
     s = -(b + np.copysign(np.sqrt(b * b - a * c), b))
-    far = np.where(way[:, 0] < 0, -x[:, 0] / way[:, 0], np.inf)
+    far = np.where(direction[:, 0] < 0, -x[:, 0] / direction[:, 0], np.inf)
     for root in (s / a, c / s):
         far = np.where(root > 0, np.minimum(far, root), far)
     return float(far.min())

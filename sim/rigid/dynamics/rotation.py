@@ -22,31 +22,31 @@ def rotation_of(q: vec4) -> mat3:
 
 
 @ti.func
-def turned(q: vec4, way: vec3) -> vec4:
-    """`q`, then a turn about the axis `way` by its length [rad]: the exponential map."""
-    half = 0.5 * way.norm()
+def turned(q: vec4, turn: vec3) -> vec4:
+    """`q`, then a turn about the axis `turn` by its length [rad]: the exponential map."""
+    half = 0.5 * turn.norm()
     # sin(half) / half, by its series where the quotient would lose digits.
     quotient = 1.0 - half * half / 6.0
     if half > 1e-4:
         quotient = ti.sin(half) / half
-    c, s = ti.cos(half), 0.5 * quotient * way
+    c, s = ti.cos(half), 0.5 * quotient * turn
     u = vec3(q[1], q[2], q[3])
     real, rest = c * q[0] - s.dot(u), c * u + q[0] * s + s.cross(u)
     return vec4(real, rest[0], rest[1], rest[2]).normalized()
 
 
 @ti.func
-def beyond(way: vec3, arm: vec3) -> vec3:
-    """(R - 1) arm - way x arm for the turn R about the axis `way` by its length [rad]: how far the arc leads away from
-    its tangent (Rodrigues 1840)."""
-    angle = way.norm()
+def beyond(turn: vec3, arm: vec3) -> vec3:
+    """(R - 1) arm - turn x arm for the turn R about the axis `turn` by its length [rad]: how far the arc leads away
+    from its tangent (Rodrigues 1840)."""
+    angle = turn.norm()
     # (sin(angle) - angle) / angle^3 and (1 - cos(angle)) / angle^2, by their series where digits would be lost.
     odd, even = -1.0 / 6.0 + angle * angle / 120.0, 0.5 - angle * angle / 24.0
     if angle > 1e-2:
         odd = (ti.sin(angle) - angle) / (angle * angle * angle)
         even = (1.0 - ti.cos(angle)) / (angle * angle)
-    once = way.cross(arm)
-    return odd * angle * angle * once + even * way.cross(once)
+    once = turn.cross(arm)
+    return odd * angle * angle * once + even * turn.cross(once)
 
 
 @ti.func

@@ -13,5 +13,5 @@ def step_limits(longest: float, pace: float, spin: float) -> dict[str, float]:
     if spin > 0:
         limits["spin"] = TURN / spin
     if pace > 0:
-        limits["way"] = WAY / pace
+        limits["travel"] = WAY / pace
     return limits
