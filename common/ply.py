@@ -24,7 +24,8 @@ _TYPES = {
     "uint8": "u1",
 }
 _LONGEST_HEADER = 10_000
-_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")])
+_SURFACE_NAMES = ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")
+_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in _SURFACE_NAMES])
 _TRIANGLE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
 
 
@@ -92,7 +93,7 @@ def write_surface(
         "ply",
         "format binary_little_endian 1.0",
         f"element vertex {len(points)}",
-        *(f"property float {name}" for name in _SURFACE_VERTEX.names),
+        *(f"property float {name}" for name in _SURFACE_NAMES),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
         "end_header",

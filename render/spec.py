@@ -390,7 +390,7 @@ class RenderSpec(Settings):
     foam: Look = Matte(type="matte", color=srgb("#f3f7f9"))
     """Look of foam, spray and bubbles, where the scene has them."""
     walls: Walls = Walls()
-    materials: Annotated[dict[Name, Look], Field(default_factory=dict)]
+    materials: dict[Name, Look] = Field(default_factory=dict)
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""
 
     @model_validator(mode="after")

@@ -117,14 +117,14 @@ class Document:
                 raise SceneError(
                     [f"{source}: {here} is not in the scene\n  fix: {dotted(keys[:depth])} holds one value: set that"]
                 )
-            key = str(key) if isinstance(target, dict) else key
+            place: Any = str(key) if isinstance(target, dict) else key
             if depth == len(keys) - 1:
-                target[key] = value
+                target[place] = value
                 continue
-            if isinstance(target, dict) and target.get(key) is None:
-                target[key] = {}
+            if isinstance(target, dict) and target.get(place) is None:
+                target[place] = {}
                 marks[keys[: depth + 1]] = Mark(source)
-            target = target[key]
+            target = target[place]
         self.marks = marks
 
 
@@ -257,7 +257,8 @@ class _Reader:
     def syntax_problem(self, error: yaml.MarkedYAMLError) -> str:
         mark, problem = error.problem_mark, error.problem or error.context or "not YAML"
         at_end = mark is None or not "".join(self._lines[mark.line :]).strip()
-        begin = 0 if at_end else (error.context_mark or mark).line
+        context = error.context_mark or mark
+        begin = 0 if at_end or context is None else context.line
         cause = self._cause(begin, mark.line if mark else 0)
         if cause is not None:
             line, problem, remedy = cause
@@ -319,7 +320,7 @@ class _Reader:
             if key == "<<":
                 remedy = "write the settings out, or override them in presets"
                 raise SceneError([self.document.problem(here, "merge keys are not part of YAML 1.2", remedy)])
-            if key in data:
+            if key in data and first is not None:
                 message = f"'{key}' is given twice, first in line {first.line}"
                 remedy = "give each body, and each key, a name of its own"
                 raise SceneError([self.document.problem(here, message, remedy)])

@@ -16,7 +16,7 @@ Location = tuple[str | int, ...]
 
 FLUID = ("a fluid body", "an emitter", "a drain")
 SOLID = ("a rigid body", "a container")
-KINDS = {
+KINDS: dict[Location | str | int, str] = {
     ("fluid", "bodies"): "a fluid body",
     ("fluid", "emitters"): "an emitter",
     ("fluid", "drains"): "a drain",
@@ -125,8 +125,8 @@ def _resolve_events(spec: SimulationSpec, found: dict[str, Named]) -> None:
         for name in event.remove:
             if name not in present:
                 when = "at that time " if name in found else ""
-                location = ("events", index, "remove")
-                raise Refused(f"{when}there is no body named '{name}'", location=location, remedy=_offer(name, present))
+                message = f"{when}there is no body named '{name}'"
+                raise Refused(message, location=("events", index, "remove"), remedy=_offer(name, present))
             present.remove(name)
         for path in {"rigid", "rigid.pairs"} & event.set.keys():
             known = {name: found[name] for name in (*present, *to_come)}

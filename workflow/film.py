@@ -19,6 +19,7 @@ import struct
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from common.command import end_with
 from common.files import write_json, write_whole
@@ -123,7 +124,7 @@ def _common_size(pictures: Sequence[Path]) -> list[int]:
     """Width and height [px], the same in all pictures."""
     from PIL import Image, UnidentifiedImageError
 
-    sizes = {}
+    sizes: dict[tuple[int, int], Path] = {}
     for path in pictures:
         try:
             with Image.open(path) as picture:
@@ -144,7 +145,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         prog="python -m workflow.film", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
-    folders = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
+    folders: dict[str, Any] = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
     parser.add_argument("--frames-from", **{**folders, "nargs": "+"}, required=True, help="folders with 00000.png ...")
     parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")
     parser.add_argument("--surface", **folders, help="folders of the surface, in order: volume and times")

@@ -69,10 +69,10 @@ def run(
     bodies = Bodies(simulation)
     points, before = np.empty(0, FOAM_POINT), None
     if frames.first > 0:
-        points = _points([resume], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names)
+        points = _points([resume] if resume else [], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names or ())
         before = _points(simulation, f"fluid_{frames.first - 1:05d}.ply", ("id",))
     rows: list[dict[str, Any]] = []
-    warnings = []
+    warnings: list[str] = []
     with Progress(len(frames)) as progress:
         for frame in frames:
             frame_watch = Stopwatch()

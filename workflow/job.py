@@ -153,7 +153,7 @@ def _run_stage(command: Sequence[str], log: Log) -> int:
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     ) as stage:
         try:
-            while chunk := os.read(stage.stdout.fileno(), 65536):
+            while stage.stdout and (chunk := os.read(stage.stdout.fileno(), 65536)):
                 log.write(chunk)
             code = stage.wait()
         except BaseException:

@@ -16,6 +16,7 @@ exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as th
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -65,8 +66,7 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         with watch.phase("splashsurf"), at_once():
             surface = reconstruct(positions, velocities, spec, threads=threads)
         with watch.phase("write"):
-            parts = (surface.vertices, surface.normals, surface.velocities, surface.triangles)
-            write_whole(out / f"surface_{frame:05d}.ply", lambda partial, parts=parts: write_surface(partial, *parts))
+            write_whole(out / f"surface_{frame:05d}.ply", functools.partial(write_surface, **vars(surface)))
         rows.append(
             {
                 "frame": frame,

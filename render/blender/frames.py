@@ -25,7 +25,7 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
     """
     log, watch = Path(job.log), Stopwatch()
     settings = plain(job.settings)
-    inputs = Inputs(*(Path(folder) if folder else None for folder in (job.simulation, job.surface, job.foam)))
+    inputs = Inputs(Path(job.simulation), *(Path(folder) if folder else None for folder in (job.surface, job.foam)))
     seconds: list[float] = []
     without_water: list[int] = []
     try:
@@ -49,7 +49,8 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
                     _render(to_file=bool(settings.passes))
                 with watch.phase("write"):
                     save_picture(Path(job.out) / f"{frame:05d}.png")
-            if meshes.get("water") is not None and len(meshes["water"].triangles) == 0:
+            water = meshes.get("water")
+            if water is not None and len(water.triangles) == 0:
                 without_water.append(frame)
             seconds.append(time.perf_counter() - start)
             report({"frame": frame, "wall_s": seconds[-1]})

@@ -29,7 +29,7 @@ def render_installed(blender: str, job: Job, scratch: Path, report: Report) -> d
         raise Unusable(f"blender: can not start {blender}: {error.strerror}") from error
     with process, Path(job.log).open("a") as log:
         try:
-            summary = _follow(process.stdout, log, report)
+            summary = _follow(process.stdout or (), log, report)
         except BaseException:
             process.kill()
             raise

@@ -34,7 +34,7 @@ def import_remedy(error: ImportError) -> str:
         return "Blender is missing: install the Python package bpy, or name an installed Blender with `blender: PATH`"
     missing = re.search(r"(lib\w+)[\w.+-]*\.so[.\d]*: cannot open shared object file", str(error))
     package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
-    if package is None:
+    if missing is None or package is None:
         return f"Blender can not be loaded: {error}"
     others = " ".join(sorted(set(DEBIAN_PACKAGES.values()) - {package}))
     return (

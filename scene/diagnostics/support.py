@@ -6,6 +6,7 @@ from typing import Any
 
 from scene.events import apply
 from scene.settings import Refused
+from sim.cloth.spec import Cloth
 from sim.rigid.spec import RigidBody
 from sim.spec import BoxContainer, Event, SimulationSpec
 
@@ -41,7 +42,7 @@ def _refuse_settings(spec: SimulationSpec) -> None:
             message = "a mesh container without fluid or dynamic bodies holds nothing"
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
     if spec.cloth is not None:
-        _refuse_meetings(spec)
+        _refuse_meetings(spec, spec.cloth)
     for name, probe in spec.probes.items():
         if probe.type in ("vertex", "pin_force"):
             continue
@@ -126,7 +127,7 @@ def _path(body: RigidBody) -> tuple[Any, ...]:
     return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
 
 
-def _refuse_meetings(spec: SimulationSpec) -> None:
+def _refuse_meetings(spec: SimulationSpec, cloth: Cloth) -> None:
     """What cloth does not meet yet."""
     if spec.fluid is not None and spec.fluid.solver == "pcisph":
         message = "cloth meets fluid with dfsph, iisph and wcsph only, not with pcisph"
@@ -134,8 +135,8 @@ def _refuse_meetings(spec: SimulationSpec) -> None:
     if spec.fluid is not None and spec.fluid.viscosity_solver == "implicit":
         message = "cloth does not meet fluid whose viscosity is implicit yet"
         raise Refused(message, location=("fluid", "viscosity_solver"), remedy="use fluid.viscosity_solver: explicit")
-    if spec.fluid is not None and spec.cloth.integrator != "implicit_euler":
-        message = f"cloth meets fluid with implicit_euler only, not with {spec.cloth.integrator} yet"
+    if spec.fluid is not None and cloth.integrator != "implicit_euler":
+        message = f"cloth meets fluid with implicit_euler only, not with {cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 
