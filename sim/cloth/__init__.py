@@ -1,6 +1,7 @@
 """Cloth: masses and springs, stepped by one of three integrators."""
 
 from importlib import import_module
+from typing import Any
 
 MATERIALS = ("cloth",)
 """Of a scene, for this to be loaded."""
@@ -13,7 +14,7 @@ INTEGRATORS = {
 """By the name they have in a scene."""
 
 
-def load_integrator(name: str) -> type:
+def load_integrator(name: str) -> type[Any]:
     """The class of an integrator; only the chosen one is imported."""
     module, _, attribute = INTEGRATORS[name].partition(":")
     return getattr(import_module(module), attribute)
