@@ -30,7 +30,7 @@ def end_with(main: Callable[[], int | None], *, goes_on: bool = False) -> NoRetu
 
 
 def go_on_unheard() -> None:
-    """From now on nothing is lost but words where what this process prints can not be written any more.
+    """From now on nothing is lost but words where what this process prints cannot be written any more.
 
     Streams that were put in place of its own stay as they are.
     """
@@ -47,7 +47,7 @@ def _put(name: str, stream: TextIO) -> None:
 
 
 class _Unheard(io.FileIO):
-    """Takes whatever is written, and drops what can not be."""
+    """Takes whatever is written, and drops what cannot be."""
 
     def write(self, data: Any) -> int:
         try:
@@ -86,7 +86,7 @@ def _status(main: Callable[[], int | None]) -> int | str | None:
     except OSError as error:
         if error.errno not in FULL:
             raise
-        print(f"what was to be written can not be: {error.strerror}", file=sys.stderr)
+        print(f"what was to be written cannot be: {error.strerror}", file=sys.stderr)
         _drop(sys.stdout)
         return FAILED
 

@@ -64,7 +64,7 @@ class Manifest:
                 if self.changed.get(name) != present[name].st_mtime_ns and self._differs(folder, name):
                     return f"{name} has another content"
         except OSError as error:
-            return f"{error.filename} can not be read"
+            return f"{error.filename} cannot be read"
         return ""
 
     def _differs(self, folder: Path, name: str) -> bool:

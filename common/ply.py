@@ -37,7 +37,7 @@ def read_points(path: Path) -> np.ndarray:
     """The vertices of a PLY file as a structured array, one field a property; shape [n].
 
     Raises BadPly for anything but a complete binary little-endian file with scalar properties,
-    and OSError where the file can not be read.
+    and OSError where the file cannot be read.
     """
     content = path.read_bytes()
     end = content.find(b"end_header\n", 0, _LONGEST_HEADER)

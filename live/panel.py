@@ -226,7 +226,7 @@ class Panel:
 
     def _save(self, name: str) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
-            self.tell(f"'{name}' can not be the name of a scene: use letters, digits, - and _")
+            self.tell(f"'{name}' cannot be the name of a scene: use letters, digits, - and _")
             return
         path = self.session.script.scene.path.with_name(f"{name}.yaml")
         if path.exists():

@@ -172,7 +172,7 @@ class Session:
     # The thread of the simulation
 
     def run(self) -> None:
-        """Simulate until closed; raises Refused where the scene can not be built."""
+        """Simulate until closed; raises Refused where the scene cannot be built."""
         _yield_to_others()
         scene = self.script.scene
         precision.choose(scene.simulation.precision)
@@ -312,7 +312,7 @@ class Session:
         except SceneError as error:
             refused(str(error))
         except OSError as error:
-            refused(f"{path} can not be written: {error.strerror or error}")
+            refused(f"{path} cannot be written: {error.strerror or error}")
 
     # What became of frames
 

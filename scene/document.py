@@ -3,7 +3,7 @@
 YAML is read by the rules of version 1.2 where 1.1 surprises: `1e-4` is a number, `on` and `no`
 are text, a key given twice is an error, `<<` merges nothing, and no Python object is ever
 constructed. Signs that only look like those of YAML are read as these: a minus sign before a number,
-no-break blanks before keys and values, and characters that can not be seen.
+no-break blanks before keys and values, and characters that cannot be seen.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Document:
         return merged
 
     def set(self, assignment: str) -> None:
-        """Apply `path.to.key=value`, the value in YAML; raises SceneError where it can not be."""
+        """Apply `path.to.key=value`, the value in YAML; raises SceneError where it cannot be."""
         path, equals, text = assignment.partition("=")
         keys: Location = tuple(int(part) if part.isdecimal() else part for part in path.strip().split("."))
         source = f"--set {assignment}"
@@ -144,7 +144,7 @@ def read(path: Path) -> Document:
         )
         raise SceneError([f"{path}: no such scene file\n  fix: {hint}"]) from None
     except (OSError, ValueError) as error:
-        raise SceneError([f"{path}: can not be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
+        raise SceneError([f"{path}: cannot be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
     if len(content) > MAX_BYTES:
         raise SceneError([f"{path}: larger than any scene file, {len(content):,} bytes\n  fix: give a scene file"])
     return parse(text, source=str(path))
@@ -174,7 +174,7 @@ _AFTER_KEY = re.compile(rf"^( *(?:- +)*[\"']?[\w-]+[\"']?:)[{BLANKS}]+", re.MULT
 
 
 def _visible(text: str) -> str:
-    """The text without what can not be seen, and with blanks of YAML where others would hide its structure."""
+    """The text without what cannot be seen, and with blanks of YAML where others would hide its structure."""
     text = text.translate(dict.fromkeys(map(ord, INVISIBLE)))
     return _AFTER_KEY.sub(r"\1 ", _BEFORE_KEY.sub(lambda blanks: " " * len(blanks[0]), text))
 
@@ -316,7 +316,7 @@ class _Reader:
             self.document.marks[here] = self._mark(line)
             if not key or key_node.tag not in _SCALARS:
                 remedy = "a key is a word, as in `radius: 0.1`"
-                raise SceneError([self.document.problem(here, "this can not be the name of a setting", remedy)])
+                raise SceneError([self.document.problem(here, "this cannot be the name of a setting", remedy)])
             if key == "<<":
                 remedy = "write the settings out, or override them in presets"
                 raise SceneError([self.document.problem(here, "merge keys are not part of YAML 1.2", remedy)])

@@ -59,7 +59,7 @@ def named(spec: SimulationSpec) -> dict[str, Named]:
 
 
 def resolve(spec: SimulationSpec) -> dict[str, Named]:
-    """All that has a name; raises Refused where a setting names what there never is, or what it can not be about."""
+    """All that has a name; raises Refused where a setting names what there never is, or what it cannot be about."""
     found = named(spec)
     for name, probe in spec.probes.items():
         _resolve_probe(("probes", name), probe, found)
@@ -84,7 +84,7 @@ def _resolve_probe(location: Location, probe: Any, found: dict[str, Named]) -> N
             }
             if probe.body in found and probe.body not in solids:
                 raise Refused(
-                    f"the force on '{probe.body}' can not be measured: it is no rigid body with a surface",
+                    f"the force on '{probe.body}' cannot be measured: it is no rigid body with a surface",
                     location=(*location, "body"),
                     remedy=_offer(probe.body, solids, "name a rigid body that is no plane"),
                 )

@@ -8,7 +8,7 @@ It writes splash.mp4, frames/00000.png ..., contact.png and summary.json; with -
 steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON, the name of a file with it, or -
 for standard input.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def run(
     surface: Sequence[Path] = (),
     foam: Sequence[Path] = (),
 ) -> None:
-    """Write the folder of a film; raises Refused where a frame is missing or a picture can not be used."""
+    """Write the folder of a film; raises Refused where a frame is missing or a picture cannot be used."""
     watch = Stopwatch()
     film = spec.film
     title = spec.name.rpartition("/")[2]
@@ -61,7 +61,7 @@ def run(
         try:
             write_whole(video, lambda partial: encode(out / "frames", partial, fps=playback, crf=film.crf))
         except EncoderFailed as error:
-            raise Refused(f"the film can not be encoded: {error}") from None
+            raise Refused(f"the film cannot be encoded: {error}") from None
     with watch.phase("contact_sheet"):
         sheet = contact_sheet(pictures, fps=spec.fps, title=title, spec=film.contact_sheet)
         write_whole(out / "contact.png", lambda partial: sheet.save(partial, format="PNG"))

@@ -69,7 +69,7 @@ def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] 
 def draw(
     scene: Scene, frame: Frame, out: Path, *, particles: bool = False, size: tuple[int, int] | None = None
 ) -> None:
-    """Write the picture of a frame; raises Unusable and BadPly for files that can not be drawn."""
+    """Write the picture of a frame; raises Unusable and BadPly for files that cannot be drawn."""
     import pyvista
     from vtkmodules.vtkCommonCore import vtkLogger
 

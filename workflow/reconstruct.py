@@ -10,7 +10,7 @@ rest_density [kg/m^3], walls (each with normal and offset [m]) that the surface 
 velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a mesh
 without vertices.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from workflow.stages.surface.spec import ReconstructSpec
 
 
 def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, threads: int = 1) -> None:
-    """Write surface_*.ply and summary.json to `out`; raises Refused for particles that can not be used."""
+    """Write surface_*.ply and summary.json to `out`; raises Refused for particles that cannot be used."""
     watch = Stopwatch()
     with watch.phase("import"):
         os.environ["RAYON_NUM_THREADS"] = str(threads)

@@ -20,7 +20,7 @@ from render.job import Job, Report
 def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
     """Write a job's frames to a file; returns the summary.
 
-    Raises RenderError, and Unusable for files that can not be read and formats that this Blender does not write.
+    Raises RenderError, and Unusable for files that cannot be read and formats that this Blender does not write.
     """
     part = path.with_name(f".{path.stem}.part{path.suffix}")
     inputs = Inputs(Path(job.simulation), Path(job.surface) if job.surface else None)
@@ -40,9 +40,9 @@ def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
             write(scene, job, part, report)
         part.replace(path)
     except (AttributeError, RuntimeError) as error:
-        raise Unusable(f"this Blender can not write {path.suffix} files: {error}") from error
+        raise Unusable(f"this Blender cannot write {path.suffix} files: {error}") from error
     except OSError as error:
-        raise RenderError(f"can not write {path}: {error.strerror}") from error
+        raise RenderError(f"cannot write {path}: {error.strerror}") from error
     finally:
         release()
         part.unlink(missing_ok=True)

@@ -21,7 +21,7 @@ from render.job import Job, Report
 def render_frames(job: Job, report: Report) -> dict[str, Any]:
     """Render a job's frames; returns the summary.
 
-    Raises RenderError, and Unusable for settings or files that can not be rendered.
+    Raises RenderError, and Unusable for settings or files that cannot be rendered.
     """
     log, watch = Path(job.log), Stopwatch()
     settings = plain(job.settings)
@@ -83,4 +83,4 @@ def _save_blend(path: Path) -> None:
     try:
         check(bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, compress=True), "saving the scene")
     except RuntimeError as error:
-        raise RenderError(f"can not write {path}: {error}") from error
+        raise RenderError(f"cannot write {path}: {error}") from error

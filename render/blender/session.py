@@ -35,10 +35,10 @@ def import_remedy(error: ImportError) -> str:
     missing = re.search(r"(lib\w+)[\w.+-]*\.so[.\d]*: cannot open shared object file", str(error))
     package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
     if missing is None or package is None:
-        return f"Blender can not be loaded: {error}"
+        return f"Blender cannot be loaded: {error}"
     others = " ".join(sorted(set(DEBIAN_PACKAGES.values()) - {package}))
     return (
-        f"Blender can not be loaded: the system library {missing[1]} is missing. "
+        f"Blender cannot be loaded: the system library {missing[1]} is missing. "
         f"On Debian or Ubuntu: apt-get install {package} (it may also need {others})"
     )
 

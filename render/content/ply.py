@@ -69,7 +69,7 @@ def _read(path: Path, wanted: list[str]) -> TriangleMesh:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise Unusable(f"can not read {path}: {error.strerror}") from error
+        raise Unusable(f"cannot read {path}: {error.strerror}") from error
     try:
         elements, start = _header(data, wanted)
         columns, triangles = _read_numpy(data, elements, start) if np else _read_struct(data, elements, start)

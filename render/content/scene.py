@@ -31,7 +31,7 @@ SUNK_BESIDE_CLOTH = 0.5
 class Scene:
     """Everything that is in the picture.
 
-    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that can not be drawn.
+    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that cannot be drawn.
     """
 
     def __init__(self, settings: Any, inputs: Inputs, fps: float):

@@ -51,7 +51,7 @@ def _refuse_settings(spec: SimulationSpec) -> None:
             raise Refused(message, location=("probes", name), remedy="remove it")
         if probe.type == "force" and probe.region and _is_dynamic(spec, probe.body):
             raise Refused(
-                f"the force on a part of '{probe.body}' can not be measured, which obeys forces",
+                f"the force on a part of '{probe.body}' cannot be measured, which obeys forces",
                 location=("probes", name, "region"),
                 remedy="leave it out, or use a body with motion: static or prescribed",
             )
@@ -88,7 +88,7 @@ def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> 
         earlier = bodies.get(name, body)
         if "prescribed" in (earlier.motion, body.motion) and _path(earlier) != _path(body):
             raise Refused(
-                f"the motion of '{name}' can not be changed by an event",
+                f"the motion of '{name}' cannot be changed by an event",
                 location=("events", index),
                 remedy="give all of it as keyframes from the start",
             )
@@ -107,7 +107,7 @@ def _refuse_beginnings(before: SimulationSpec, after: SimulationSpec, event: Eve
                 path = f"{group}.{field}.{name}"
                 given = [key for key in event.set if f"{key}.".startswith(f"{path}.")]
                 raise Refused(
-                    f"'{name}' is there already: how it begins can not be changed by an event",
+                    f"'{name}' is there already: how it begins cannot be changed by an event",
                     location=("events", index, "set", given[0]) if given else ("events", index),
                     remedy="remove it and add another, or let forces, pins or gravity move it",
                 )

@@ -27,7 +27,7 @@ class Aim(ABC):
 
     @abstractmethod
     def __init__(self, text: Any, cores: int):
-        """From what `--config` gives; ends the process where that can not be."""
+        """From what `--config` gives; ends the process where that cannot be."""
 
     def scene(self, path: Path, name: str) -> Scene:
         """The scene at `path` as its film is made; every failure but SceneError ends the process with its message."""

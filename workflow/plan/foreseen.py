@@ -1,4 +1,4 @@
-"""What is known of a film before it is made, and may not be what was meant, or can not be rendered: a camera in the
+"""What is known of a film before it is made, and may not be what was meant, or cannot be rendered: a camera in the
 water, changes that come after the end, a panorama that is no picture."""
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
 
 
 def refuse_panorama(scene: Scene) -> None:
-    """Raise Refused for a panorama that Blender can not read. Without the package bpy, rendering tells."""
+    """Raise Refused for a panorama that Blender cannot read. Without the package bpy, rendering tells."""
     file = scene.render.lights.environment.file
     if file is None or importlib.util.find_spec("bpy") is None:
         return
     if not _readable(assets.resolve(file, scene.folder)):
         location, remedy = ("render", "lights", "environment", "file"), "save it as .hdr or .exr again"
-        raise Refused(f"Blender can not read '{file}'", location=location, remedy=remedy)
+        raise Refused(f"Blender cannot read '{file}'", location=location, remedy=remedy)
 
 
 def _readable(panorama: Path) -> bool:

@@ -4,7 +4,7 @@ It writes trials.csv (a row a simulation), points.csv (a row a combination of se
 medians of its repeats), work_precision.png and .svg, and summary.json. `snakemake studies/NAME`
 calls it.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations

@@ -150,7 +150,7 @@ def _read(path: Path) -> Curve:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise Refused(f"can not be read: {error}", location=("file",), remedy="give a CSV file") from None
+        raise Refused(f"cannot be read: {error}", location=("file",), remedy="give a CSV file") from None
     rows = []
     for line in lines:
         try:
