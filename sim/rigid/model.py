@@ -215,9 +215,11 @@ class RigidModel:
         """Find angular velocities, to the bit as a step leaves them: the next one depends on them."""
         free_motion.turn(self.count, self._mobile, self._inverse_inertia, self._motion)
 
-    def give_way(self, bodies: np.ndarray, impulse: np.ndarray, displacement: np.ndarray, turn: np.ndarray) -> None:
-        """Take bodies further by ways [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that they got
-        on it."""
+    def apply_response(
+        self, bodies: np.ndarray, impulse: np.ndarray, displacement: np.ndarray, turn: np.ndarray
+    ) -> None:
+        """Take bodies further by displacements [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that
+        they got on it."""
         self.position[bodies] += displacement
         turned = Rotation.from_rotvec(turn) * _rotations(self.rotation[bodies])
         self.rotation[bodies] = np.roll(turned.as_quat(), 1, axis=1)

@@ -143,9 +143,9 @@ class ImplicitEuler:
         """Find how points give way to forces where they are foreseen."""
         self._newton.linearize(dt)
 
-    def give_way(self, load: ti.Ndarray) -> ti.Ndarray:
+    def respond(self, load: ti.Ndarray) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
-        return self._newton.give_way(load, GIVING_WAY)
+        return self._newton.respond(load, GIVING_WAY)
 
     def commit(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""

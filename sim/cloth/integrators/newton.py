@@ -124,7 +124,7 @@ class Newton:
         self._balance(dt)
         newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
 
-    def give_way(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
+    def respond(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
         first = newton_sums.ask(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
         self._solve(first * error**2, 0.0, linear=True)

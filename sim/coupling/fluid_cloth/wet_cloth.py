@@ -124,7 +124,7 @@ class WetCloth:
         self._sum(self._load, self._steady, last)
         self._integrator.predict(dt, self._load)
         self._integrator.linearize(dt)
-        self._expected.copy_from(self._integrator.add_response(last))
+        self._expected.copy_from(self._integrator.respond(last))
         clear(self._found)
         self._pose()
 
@@ -135,12 +135,12 @@ class WetCloth:
 
     def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         self.reaction.pressures(ahead, self._pressed, found=False)
-        displacement = self._integrator.add_response(self._pressed)
+        displacement = self._integrator.respond(self._pressed)
         self.reaction.add_response(ahead, displacement, self._dt**2, fresh=self._alone)
 
     def gather_pressures(self, ahead: float) -> None:
         self.reaction.pressures(ahead, self._pressed, found=True)
-        self._way.copy_from(self._integrator.add_response(self._pressed))
+        self._way.copy_from(self._integrator.respond(self._pressed))
 
     def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Implicit viscosity is refused beside cloth."""

@@ -90,7 +90,7 @@ class Momentum:
             boundary.shapes.pose,
             self.pressure,
             self.friction_known,
-            particles.push if self.friction_known else particles.acceleration,
+            particles.pressure_acceleration if self.friction_known else particles.acceleration,
             self.viscosity > 0 and not self.friction_known,
             self.viscosity,
             self.grip.walls > 0,
