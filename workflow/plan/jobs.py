@@ -21,7 +21,7 @@ from scene.settings import canonical_json
 from sim.bodies.wall import Wall
 from sim.foam.spec import FoamJobSpec
 from sim.spec import SimulationSpec
-from workflow.plan import sources
+from workflow.plan import additions, sources
 from workflow.plan.timeline import Frames, Timeline
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.surface.spec import ReconstructSpec
@@ -222,7 +222,8 @@ class Plan:
         key = (ENTRY[stage], materials)
         if key not in self._digests:
             self._digests[key] = sources.digest(ENTRY[stage], self.root, materials)
-        return f"code {self._digests[key][:32]}"
+        beside = additions.digest(stage)
+        return f"code {self._digests[key][:32]}{beside and f' and {beside[:32]}'}"
 
 
 def _render_spec(scene: Scene) -> str:

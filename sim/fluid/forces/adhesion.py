@@ -7,11 +7,14 @@ beta follows from the work per area that it takes to part fluid of density rho0 
 W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = sigma (1 + cos theta) (Young, Dupre).
 """
 
+from typing import ClassVar
+
 import numpy as np
 import taichi as ti
 
 from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
+from sim.fluid.forces.force import Force
 from sim.fluid.system import FluidSystem
 
 _Q = 0.5 + (np.arange(4000) + 0.5) / 8000
@@ -41,15 +44,20 @@ def _fit() -> tuple[tuple[float, float], tuple[float, ...]]:
 NEAR, FAR = _fit()
 
 
-class Adhesion:
+class Adhesion(Force):
     """The force on the particles of a system; `samples` and `solids` are beta [m/s^2 over m^3] against either."""
 
+    BY_SOLIDS: ClassVar[bool] = True
+
     def __init__(self, system: FluidSystem):
-        self.system = system
+        super().__init__(system)
         self.samples, self.solids = adhesion_strengths(system)
 
+    @classmethod
+    def applies(cls, system: FluidSystem) -> bool:
+        return system.boundary.sampled > 0 or system.boundary.shapes.count > 0
+
     def accelerate(self) -> None:
-        """Add to the accelerations; positions and neighbours are given."""
         system = self.system
         boundary = system.boundary
         _accelerate(

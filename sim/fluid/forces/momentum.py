@@ -49,7 +49,7 @@ class Momentum:
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        self.adhesion = next((force for force in self._added if hasattr(force, "samples")), None)
+        self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
         """`sim.fluid.forces.adhesion`, where there is any."""
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(

@@ -7,15 +7,16 @@ pressure along it fall. The proportion c of the two depends on the unit of mass 
 for all fluids and resolutions. Pair forces are equal and opposite.
 """
 
+from typing import ClassVar
+
 import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.fluid.forces.force import Force
 from sim.fluid.kernel import cubic_slope
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
-
-ARRAYS = (Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),)
 
 BALANCE = 25.0
 """c m / h^3. With 125, the paper's for water at h = 2 d in SI units, cohesion presses the particles together with many
@@ -37,16 +38,19 @@ def strength(surface_tension: float, spacing: float, h: float, rest_density: flo
     return surface_tension / (rest_density * h * h * share)
 
 
-class SurfaceTension:
+class SurfaceTension(Force):
     """The force on the particles of a system, whose arrays are those declared in ARRAYS."""
 
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),
+    )
+
     def __init__(self, system: FluidSystem):
-        self.system = system
+        super().__init__(system)
         spec = system.spec
         self.strength = strength(spec.surface_tension, spec.spacing, system.h, spec.rest_density)
 
     def accelerate(self) -> None:
-        """Add to the accelerations; positions, densities and neighbours are given."""
         system = self.system
         particles = system.particles
         _accelerate(

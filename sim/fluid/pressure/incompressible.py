@@ -43,7 +43,7 @@ class Incompressible:
     @property
     def settings(self) -> Settings:
         """The solver's own settings."""
-        return getattr(self.system.spec, self.system.spec.solver)
+        return self.system.spec.solver_settings
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
         """Largest stable time steps [s]: the way of particles, pressure, gravity, and the other forces."""
