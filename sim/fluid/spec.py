@@ -125,7 +125,7 @@ class Wcsph(Settings):
     """Numerical speed of sound [m/s]. `auto` takes ten times the greatest speed that the scene's
     drop height and initial velocities allow, for about 1 % compression."""
     artificial_viscosity: Annotated[Dimensionless, Ge(0), Le(1)] = 0.05
-    """Coefficient alpha of Monaghan (1992); damps the sound waves that compressibility brings."""
+    """Coefficient alpha of Monaghan 1992; damps the sound waves that compressibility brings."""
     wall_damping: Annotated[Dimensionless, Ge(0), Le(2)] = 1.0
     """The same coefficient for what runs into a solid: 0 makes drops bounce off, 1 makes them stay."""
 
@@ -232,7 +232,7 @@ class Fluid(Settings):
     """Coefficient of surface tension [N/m]: water in air 0.072."""
     surface_tension_model: Literal["becker2007", "akinci2013"] = "becker2007"
     """Attraction of neighbours (Becker & Teschner 2007), or cohesion that keeps its distance and a pull towards a
-    smaller surface (Akinci et al. 2013)."""
+    smaller surface (Akinci et al. 2013a)."""
     adhesion: SurfaceTension = 0.0
     """Work that it takes to part the fluid from solids, per area [N/m]: surface_tension times 1 + cos of the angle at
     which the surface meets them."""

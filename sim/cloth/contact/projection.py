@@ -2,7 +2,7 @@
 
 Points go to the nearest places, in the metric of their masses, at which no contact is below its limit. Forces that take
 them there are looked for by Jacobi's method, each projected to a push and to Coulomb's cone; every mass is shared among
-its contacts, or that would not converge (Tonge, Benevolenski and Voroshilov 2012). It begins with the forces of the
+its contacts, or that would not converge (Tonge et al. 2012). It begins with the forces of the
 small step before.
 """
 

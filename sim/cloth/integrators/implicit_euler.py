@@ -1,4 +1,4 @@
-"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method.
+"""Implicit Euler: stable at any stiffness and step (Baraff & Witkin 1998), by Newton's method.
 
 It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
 Where nothing touches, now and in the step before, backward differences of second order

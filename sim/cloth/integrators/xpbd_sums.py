@@ -15,7 +15,7 @@ Guess = ti.types.argpack(pulled=Numbers, bent=Numbers)
 
 @ti.func
 def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64, had: ti.f64, ease: ti.f64):
-    """Of a multiplier: equation 26 of Macklin et al. 2016, times the stiffness."""
+    """Of a multiplier: Macklin et al. 2016, eq. 26, times the stiffness."""
     soft = 1.0 / (dt * dt)
     slow = damp / dt
     return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * ease + soft)
@@ -53,6 +53,7 @@ def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g
     since = along.dot((p.position[one] - w.before[one]) - (p.position[other] - w.before[other]))
     change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], g.pulled[k], a + b)
     g.pulled[k] += change
+    # Macklin et al. 2016, eq. 17
     p.position[one] += a * change * along
     p.position[other] -= b * change * along
 
@@ -69,6 +70,7 @@ def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g:
     over = turned(hinge.angle, a.rest_angle[k])
     change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], ease)
     g.bent[k] += change
+    # Macklin et al. 2016, eq. 17
     p.position[i] += wi * change * hinge.p
     p.position[j] += wj * change * hinge.q
     p.position[m] += wm * change * hinge.r

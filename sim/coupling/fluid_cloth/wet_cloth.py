@@ -4,7 +4,7 @@ Pressures that are looked for move the cloth, too. With the forces J q of the pr
 gives way by A^-1 J q, where A is the matrix of Newton's method for the step (`sim.cloth.integrators.newton`), springs,
 contacts and all, and compresses the fluid by J^T A^-1 J q less. So the cloth is part of the system of equations of
 `sim.fluid.pressure.projection`, which stays symmetric: a cloth as light as a feather or as stiff as a board asks for no
-shorter step, where taking turns would throw the two back and forth (Causin, Gerbeau and Nobile 2005).
+shorter step, where taking turns would throw the two back and forth (Causin et al. 2005).
 
 Solvers that look for pressures ask three times. The cloth steps with the forces of the last step's pressures; those
 found act in place of them, by A; and the step is made with these, by Newton's method. Where pressures follow from

@@ -1,4 +1,4 @@
-"""What the fluid meets: solids, and sheets of cloth, which have samples on both sides (Akinci et al. 2013)."""
+"""What the fluid meets: solids, and sheets of cloth, which have samples on both sides (Akinci et al. 2013b)."""
 
 from __future__ import annotations
 

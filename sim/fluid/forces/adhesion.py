@@ -1,4 +1,4 @@
-"""Adhesion of the fluid to solids (Akinci, Akinci & Teschner 2013).
+"""Adhesion of the fluid to solids (Akinci et al. 2013a).
 
 a_i = -beta sum_b V_b A(r) x_ib / r,    A(r) = (-4 r^2 / h^2 + 6 r / h - 2)^(1/4) from h/2 to h             eq. 6, 7
 V_b the volume of a boundary sample; a solid is a half-space full of them, at distance y from whose surface
@@ -95,7 +95,7 @@ def adhesion_strengths(system: FluidSystem) -> tuple[float, float]:
 
 @ti.func
 def adhesion(q: real) -> real:
-    """A at the distance q h."""
+    """A at the distance q h (Akinci et al. 2013a, eq. 7)."""
     return ti.sqrt(ti.sqrt(ti.max(2.0 * (2.0 * q - 1.0) * (1.0 - q), 0.0)))
 
 

@@ -1,4 +1,4 @@
-"""Implicit viscosity (Weiler, Koschier, Brand & Bender 2018): for fluids so thick that explicit steps would be tiny.
+"""Implicit viscosity (Weiler et al. 2018): for fluids so thick that explicit steps would be tiny.
 
 The velocities after the step dt are those that the friction of the step itself slows:
     v - dt K v = v*,    K v the sum over pairs of `sim.fluid.forces.pairwise.viscous` and the friction of

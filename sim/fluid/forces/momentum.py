@@ -167,7 +167,7 @@ def _accelerate(
                 q = ti.sqrt(r2) * inverse_h
                 slope = cubic_slope(q)
                 if ti.static(has_pressure):
-                    push -= (x.w + xj.w) * slope * d
+                    push -= (x.w + xj.w) * slope * d  # Monaghan 1992, eq. 3.3
                 if ti.static(has_viscosity or has_artificial):
                     vj = velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
@@ -192,7 +192,7 @@ def _accelerate(
                 strength = rest_density * slope_norm * b.w
                 gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
                 if ti.static(has_pressure):
-                    push -= x.w * gradient
+                    push -= x.w * gradient  # Akinci et al. 2012, eq. 9
                 if ti.static(has_damping):
                     a += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
                 if ti.static(has_grip):

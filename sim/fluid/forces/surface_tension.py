@@ -1,4 +1,4 @@
-"""Surface tension by cohesion and a pull towards a smaller surface (Akinci, Akinci & Teschner 2013).
+"""Surface tension by cohesion and a pull towards a smaller surface (Akinci et al. 2013a).
 
 a_i = -gamma sum_j 2 rho0 / (rho_i + rho_j) [c m C(r) x_ij / r + n_i - n_j],    n_i = h sum_j m / rho_j grad W_ij
 C(r) = 32 / (pi h^9) { (h - r)^3 r^3 beyond h/2,  2 (h - r)^3 r^3 - h^6 / 64 up to there }            eq. 1 to 5
@@ -70,7 +70,7 @@ class SurfaceTension(Force):
 
 @ti.func
 def cohesion(q: real) -> real:
-    """C h^3 at q = r / h."""
+    """C h^3 at q = r / h (Akinci et al. 2013a, eq. 2)."""
     rest = ti.max(1.0 - q, 0.0)
     bell = rest * rest * rest * q * q * q
     return 32.0 / ti.math.pi * ti.select(q < 0.5, 2.0 * bell - 1.0 / 64.0, bell)
@@ -99,7 +99,7 @@ def _accelerate(
             j = index[i, k]
             d = x - position[j].xyz
             n += cubic_slope(d.norm() * inverse_h) / velocity[j].w * d
-        normal[i] = vec4(h * mass * slope_norm * n, velocity[i].w)
+        normal[i] = vec4(h * mass * slope_norm * n, velocity[i].w)  # Akinci et al. 2013a, eq. 3
     for i in range(count):
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)

@@ -3,7 +3,8 @@
 Positions after the step are predicted, densities found there, and pressures raised by what these exceed the rest
 density, until that is little. With q = p / rho^2 and the gradient G of what solids add to the density,
     q += 0.5 (rho* - rho0) / (dt^2 (sum_j |m grad W_ij|^2 + |G|^2)),
-where the sum is that of a lattice (eq. 8): a particle with few neighbours would be raised too much.
+where the sum is that of a lattice (Solenthaler & Pajarola 2009, eq. 8): a particle with few neighbours would be raised
+too much.
 
 The density of solids is steep, and bends both ways. With G at the place that was predicted last, a particle that is
 pushed out of a solid loses the force that did it and falls back, further each time; and one that is deep inside, where

@@ -149,6 +149,7 @@ def _density(
         density += rest_density * solids[i].w
         ratio = relieved(density, rest_density, excess[i]) / rest_density
         ratio2 = ratio * ratio
+        # Becker & Teschner 2007, eq. 7
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
         velocity[i].w = density
         position[i].w = pressure / (density * density)
