@@ -26,7 +26,7 @@ class Momentum:
 
     pressure: whether pressures are known from the positions. artificial, damping: artificial viscosity between
     particles and against solids, alpha c h / 2 [m^2/s]. friction_known: the viscous forces between particles are in
-    push, where the solver has found them beside densities.
+    pressure_acceleration, where the solver has found them beside densities.
     """
 
     def __init__(

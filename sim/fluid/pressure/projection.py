@@ -66,7 +66,8 @@ class Projection:
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
     def prepare(self, *, diagonal: bool = True) -> None:
-        """Densities, G, in push the friction of the present velocities, and D unless a solver has another `diagonal`.
+        """Densities, G, in pressure_acceleration the friction of the present velocities, and D unless a solver has
+        another `diagonal`.
 
         Friction is that of `sim.fluid.forces.momentum`, for pairs at rest density.
         """
