@@ -55,10 +55,16 @@ def integer_array(values: np.ndarray) -> ti.Ndarray:
 
 
 class Particles:
-    """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared."""
+    """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared.
+
+    Raises ValueError where two declare the same name: each would write into what the other keeps.
+    """
 
     def __init__(self, declared: Sequence[Declared], count: int):
         self.declared = tuple(declared)
+        names = [field.name for field in self.declared]
+        if len(set(names)) < len(names):
+            raise ValueError(f"declared twice: {', '.join(sorted({name for name in names if names.count(name) > 1}))}")
         self.count = count
         self.capacity = max(count, 1)
         self._allocate()

@@ -78,8 +78,8 @@ class ViscousDrag(Protocol):
     body_of: ti.Ndarray
 
     def begin(self, viscosity: float, sums: ti.Ndarray) -> None:
-        """Residuals and directions, where particles have their first guess as velocity, and search.w is the density;
-        viscosity: kinematic, times the step [m^2]."""
+        """Residuals and directions, where particles have their first guess as velocity, and viscous_search.w is the
+        density; viscosity: kinematic, times the step [m^2]."""
 
     def pull(self) -> None:
         """The images of the searches."""

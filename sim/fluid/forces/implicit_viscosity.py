@@ -47,7 +47,7 @@ CHECK = 4
 
 ARRAYS = (
     Declared("slowing", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
-    Declared("search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
+    Declared("viscous_search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
     Declared("residual", "vec4", "v* - (1 - dt K) v [m/s]", sorted=False, saved=False),
     Declared("image", "vec4", "(1 - dt K) times the direction of the search [m/s]", sorted=False, saved=False),
     Declared("inverse", "vec4", "diagonal of the inverse of a block of 1 - dt K; w: its xy", sorted=False, saved=False),
@@ -117,7 +117,7 @@ class Viscosity:
             particles.position,
             particles.velocity,
             particles.slowing,
-            particles.search,
+            particles.viscous_search,
             particles.residual,
             particles.inverse,
             particles.inverse_off,
@@ -145,7 +145,7 @@ class Viscosity:
             particles.position,
             particles.velocity,
             particles.slowing,
-            particles.search,
+            particles.viscous_search,
             particles.residual,
             particles.image,
             particles.inverse,
