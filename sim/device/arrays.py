@@ -138,6 +138,7 @@ class Particles:
 
     @property
     def bytes(self) -> int:
+        """Memory of all arrays, with room for `capacity` particles [bytes]."""
         elements = [field.element for field in self.declared] + list(self._spare)
         kinds = [_ELEMENTS[element][1:] for element in elements]
         return sum(np.dtype(kind).itemsize * width for kind, width in kinds) * self.capacity

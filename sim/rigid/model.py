@@ -547,6 +547,7 @@ class RigidModel:
         )
 
     def state(self) -> RigidState:
+        """What a checkpoint keeps of the bodies that obey forces, and of contacts."""
         free = self.free
         return RigidState(
             tuple(body.name for body in self.bodies if body.mass is not None),

@@ -467,6 +467,7 @@ class World:
         return {"fluid.viscosity_solver": "implicit" if self.fluid.system.implicit_viscosity else "explicit"}
 
     def bytes_by_module(self) -> dict[str, int]:
+        """Memory of each material that the scene has [bytes]."""
         found = {"fluid": self.fluid.system.bytes} if self.fluid else {}
         found |= {"rigid": self.rigid.bytes} if self.rigid else {}
         return found | ({"cloth": self.cloth.bytes} if self.cloth else {})

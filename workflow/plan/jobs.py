@@ -83,10 +83,12 @@ class Plan:
 
     @property
     def has_surface(self) -> bool:
+        """Whether there is fluid, whose surface is reconstructed."""
         return self.scene.simulation.fluid is not None
 
     @property
     def has_foam(self) -> bool:
+        """Whether the scene asks for foam."""
         return self.scene.foam is not None
 
     def job(self, stage: str, index: int = 0) -> Job:
@@ -106,6 +108,7 @@ class Plan:
         return {**segments, "render": self.timeline.blocks, "film": 1}[stage]
 
     def jobs(self, stage: str) -> list[Job]:
+        """All jobs of a stage, in the order of their parts."""
         return [self.job(stage, index) for index in range(self.parts(stage))]
 
     def whole_simulation(self) -> Job:

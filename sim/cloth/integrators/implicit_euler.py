@@ -219,4 +219,5 @@ class ImplicitEuler:
 
     @property
     def bytes(self) -> int:
+        """Memory of Newton's method and of contacts [bytes]."""
         return self._newton.bytes + self.collisions.bytes

@@ -238,6 +238,7 @@ class Newton:
 
     @property
     def bytes(self) -> int:
+        """Memory of its vectors, of what springs and hinges add, and of its matrix [bytes]."""
         n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
         own = n * (3 * 11 + 9 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + self._pattern.pairs * 18
         return 8 * own

@@ -133,6 +133,8 @@ def predict(
     g: Guess,
     w: Way,
 ):
+    """Take points to where they would go without springs, held ones on towards their aims, and begin with multipliers
+    of zero."""
     for i in range(points):
         _foresee(airy, i, dt, left, gravity, wind, p, d, w)
     for k in range(springs):
@@ -143,17 +145,20 @@ def predict(
 
 @ti.kernel
 def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess, w: Way):
+    """Solve the springs of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
         _project_spring(k, dt, p, s, g, w)
 
 
 @ti.kernel
 def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess, w: Way):
+    """Solve the hinges of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
         _project_hinge(k, dt, p, a, g, w)
 
 
 @ti.kernel
 def finish(points: ti.i32, dt: ti.f64, p: Points, w: Way):
+    """Velocities [m/s] are the ways of a substep over its dt [s]."""
     for i in range(points):
         p.velocity[i] = (p.position[i] - w.before[i]) / dt

@@ -139,6 +139,7 @@ class SheetReaction:
 
     @property
     def sheets(self) -> SheetSamples:
+        """The samples in the system's boundary."""
         return self.system.boundary.sheets
 
     def list(self) -> None:
@@ -235,4 +236,5 @@ class SheetReaction:
 
     @property
     def bytes(self) -> int:
+        """Memory of the lists of particles near samples, and of forces [bytes]."""
         return self.near.bytes + 2 * 24 * self._force.shape[0]

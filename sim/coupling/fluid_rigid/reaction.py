@@ -224,4 +224,5 @@ class Reaction:
 
     @property
     def bytes(self) -> int:
+        """Memory of the order of entries, and of partial sums [bytes]."""
         return 4 * (self.order.shape[0] + self._tally.shape[0]) + 48 * self.partial.shape[0]

@@ -23,12 +23,14 @@ vec6d = ti.types.vector(6, ti.f64)
 
 @ti.func
 def wrench_of(arm: vec3, force: vec3) -> vec6d:
+    """Of a `force` [N] at `arm` [m] from the centre of mass: the force, then its torque [N m]."""
     torque = arm.cross(force)
     return vec6d([force.x, force.y, force.z, torque.x, torque.y, torque.z])
 
 
 @ti.func
 def keep(table: DoubleTable, row: ti.i32, first: ti.template(), total: vec6d):
+    """Write a wrench to six columns of a row, from column `first` on."""
     for column in ti.static(range(6)):
         table[row, first + column] = total[column]
 
@@ -96,6 +98,8 @@ def sort(
     ends: IntArray,
     order: IntArray,
 ):
+    """Write the entries to `order` by body, each range from where `tally` has it begin; moves these to where they
+    end."""
     for r in range(RANGES):
         within = span(r, RANGES, count)
         for i in range(within[0], within[1]):

@@ -32,6 +32,7 @@ class Hyperviscosity:
         self.rate = rate * math.sqrt(float(np.linalg.norm(system.gravity)) / system.spec.spacing)
 
     def apply(self, dt: float) -> None:
+        """Damp velocities over a step dt [s]; positions and neighbours are given."""
         if self.rate == 0.0:
             return
         system, particles = self.system, self.system.particles

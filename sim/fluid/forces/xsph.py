@@ -21,6 +21,7 @@ class Xsph:
         self.system = system
 
     def apply(self) -> None:
+        """Mix velocities once; positions, densities and neighbours are given."""
         system = self.system
         _mix(
             system.count,

@@ -79,6 +79,7 @@ class RepairReport:
 
     @property
     def changed(self) -> bool:
+        """Whether there was anything to mend, or the mesh was not watertight before."""
         return bool(
             self.holes
             or self.non_manifold_edges
