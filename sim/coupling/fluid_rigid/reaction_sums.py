@@ -8,6 +8,7 @@ from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
 from sim.fluid.forces.friction import face_friction
 from sim.fluid.forces.pairwise import pair_pressures
+from sim.fluid.kernel import slope_norm
 from sim.fluid.sums import span
 
 MATERIALS = ("fluid",)
@@ -192,7 +193,7 @@ def hold(
     """The opposite of (B - 1) a, for the accelerations a by the pressures of pairs: those by what solids add are in
     their pulls, with B. Of several half-spaces each has what its own factors of B change, which is along it."""
     inverse_h = 1.0 / h
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     for k in range(partial.shape[0]):
         total = vec6d(0.0)
         centre = vector(inertia, k // PARTS, 0)

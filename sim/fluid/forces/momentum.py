@@ -15,7 +15,7 @@ from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
-from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import padded
@@ -151,7 +151,7 @@ def _accelerate(
     cohesion: real,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
     softening = SOFTENING * h * h
     closest = spacing * inverse_h

@@ -14,7 +14,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.forces.force import Force
-from sim.fluid.kernel import cubic_slope
+from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
 
@@ -91,7 +91,7 @@ def _accelerate(
     index: IntTable,
 ):
     inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    slope_strength = slope_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz
         n = vec3(0.0)
@@ -99,7 +99,7 @@ def _accelerate(
             j = index[i, k]
             d = x - position[j].xyz
             n += cubic_slope(d.norm() * inverse_h) / velocity[j].w * d
-        normal[i] = vec4(h * mass * slope_norm * n, velocity[i].w)  # Akinci et al. 2013a, eq. 3
+        normal[i] = vec4(h * mass * slope_strength * n, velocity[i].w)  # Akinci et al. 2013a, eq. 3
     for i in range(count):
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)

@@ -22,7 +22,7 @@ from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
-from sim.fluid.kernel import cubic, cubic_slope_host, lattice
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope_host, lattice, slope_norm
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
@@ -190,7 +190,7 @@ def _compress(
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x = predicted[i].xyz
         near = ti.cast(0.0, real)
@@ -248,7 +248,7 @@ def _raise(
     fit: vec4,
 ):
     inverse_h = 1.0 / h
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     for i in range(count):
         diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
         position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)

@@ -21,7 +21,7 @@ from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
-from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import itself, padded
 
@@ -139,7 +139,7 @@ def _prepare(
     solids: Vec4Array,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
     softening = SOFTENING * h * h
     for i in range(count):
@@ -195,7 +195,7 @@ def _predict(
     excess: RealArray,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i]
         near = ti.cast(0.0, real)
