@@ -61,6 +61,7 @@ class Reserve:
         self._size = size
 
     def release(self) -> None:
+        """Give the room back."""
         if self._file is not None:
             self._file.close()
         self._file, self._size = None, 0

@@ -29,6 +29,7 @@ class Manifest:
 
     @classmethod
     def of(cls, folder: Path, plan: str) -> Manifest:
+        """Of the files that are in the folder now."""
         found = sorted(_files(folder))
         return cls(
             plan,
@@ -48,6 +49,7 @@ class Manifest:
             return None
 
     def write(self, folder: Path) -> None:
+        """Write it into the folder, which makes that complete."""
         text = json.dumps(vars(self), indent=0)
         (folder / NAME).write_text(text + "\n", encoding="utf-8")
 

@@ -23,6 +23,7 @@ class Stopwatch:
 
     @contextlib.contextmanager
     def phase(self, name: str) -> Iterator[None]:
+        """Time what is done within, less what other clocks of `apart` count of it: that is added to their phases."""
         clocks = {other: clock for other, clock in self._apart.items() if other != name}
         start, before = time.perf_counter(), {other: clock() for other, clock in clocks.items()}
         try:

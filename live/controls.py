@@ -49,10 +49,12 @@ class Control:
 
     @property
     def group(self) -> str:
+        """Path of the settings that it is shown among."""
         return self.path.rpartition(".")[0] or self.path
 
     @property
     def label(self) -> str:
+        """The setting's own name, with its unit."""
         name = self.path.rpartition(".")[2].replace("_", " ")
         return f"{name} [{self.unit}]" if self.unit not in ("", "1") else name
 
@@ -80,6 +82,7 @@ class Control:
 
     @property
     def hint(self) -> str:
+        """The path, with the bounds of the value where there are any."""
         bounds = [f"from {self.least:g}" if self.least is not None else "", f"to {self.most:g}" if self.most else ""]
         return f"{self.path}: {' '.join(filter(None, bounds))}".removesuffix(": ")
 

@@ -14,13 +14,16 @@ class History:
 
     @property
     def frames(self) -> list[int]:
+        """Numbers of the frames that can be gone back to, oldest first."""
         return [checkpoint.clock.frame for checkpoint in self.kept]
 
     @property
     def bytes(self) -> int:
+        """Memory of all states that are kept [bytes]."""
         return sum(checkpoint.bytes for checkpoint in self.kept)
 
     def keep(self, checkpoint: Checkpoint) -> None:
+        """Add the state after a frame, and let others go while there are more than `most_bytes`."""
         self.kept.append(checkpoint)
         while self.bytes > self.most_bytes and len(self.kept) > 2:
             self.kept = [self.kept[0], *self.kept[2:-1:2], self.kept[-1]]

@@ -79,6 +79,7 @@ class Page:
 
     @property
     def port(self) -> int:
+        """The port on which the server listens."""
         return self.server.get_port()
 
     @property
@@ -88,6 +89,7 @@ class Page:
             return list(self._viewers.values())
 
     def close(self) -> None:
+        """Stop serving; browsers lose their connection."""
         with silent():
             self.server.stop()
 
@@ -179,4 +181,5 @@ class Page:
 
 
 def new_token() -> str:
+    """96 random bits as text, which viewers enter where other machines reach the page."""
     return secrets.token_urlsafe(12)

@@ -161,6 +161,8 @@ class Course:
         self._pending: list[tuple[float, ...]] = []
 
     def add(self, time: float, world: World, measure: Measure | None) -> None:
+        """Note energies and compression of the world after a step, at `time` [s]; `measure` is what the fluid's solver
+        found."""
         kinetic = potential = elastic = error = 0.0
         if measure is not None and world.fluid is not None and world.fluid.count:
             kinetic += measure.kinetic_energy
@@ -176,16 +178,20 @@ class Course:
         self._pending.append((time, kinetic, potential, elastic, error))
 
     def settle(self) -> None:
+        """Let what was added count: its frame is done."""
         self._rows.extend(self._pending)
         self._pending.clear()
 
     def drop(self) -> None:
+        """Forget what was added since the last frame: its steps are to be repeated."""
         self._pending.clear()
 
     def back_to(self, time: float) -> None:
+        """Forget what is later than `time` [s], and what no frame has settled."""
         self._pending.clear()
         self._rows = deque((row for row in self._rows if row[0] <= time), maxlen=LONGEST_COURSE)
 
     def columns(self) -> dict[str, np.ndarray]:
+        """The rows that count, by the names in COURSE, each of shape [n]."""
         rows = np.array([*self._rows]).reshape(-1, len(COURSE))
         return {name: rows[:, column] for column, name in enumerate(COURSE)}

@@ -107,9 +107,11 @@ class Session:
     # What others call
 
     def play(self) -> None:
+        """Go on from here."""
         self._wait_for(self._play)
 
     def pause(self) -> None:
+        """Stop before the next step."""
         self._wait_for(lambda: self._pause())
 
     def step(self) -> None:
@@ -133,6 +135,7 @@ class Session:
         self._wait_for(lambda: self._save(path, saved, refused), refused)
 
     def close(self) -> None:
+        """Let `run` return before the next step."""
         self._closed = True
 
     @property

@@ -74,6 +74,7 @@ class View:
         self._answered = True
 
     def show(self, picture: Picture, scenery: Scenery) -> None:
+        """Send a picture; the scene is built anew where the scenery is another than before."""
         with self.client.atomic():
             if scenery.number != self._scenery:
                 self._build(scenery)

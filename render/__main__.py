@@ -13,6 +13,7 @@ from typing import Any
 from common.command import end_with
 from common.files import write_json
 from common.manifest import spoiled
+from common.registry import added
 from common.signals import at_once
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
@@ -63,7 +64,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     first, last = options.frames
     _refuse_spoiled(options, range(first, last + 1))
     job = Job(
-        settings=spec.model_dump(mode="json"),
+        settings=_with_builders(spec.model_dump(mode="json")),
         simulation=os.path.abspath(options.simulation),
         surface=os.path.abspath(options.surface) if options.surface else None,
         foam=os.path.abspath(options.foam) if options.foam else None,
@@ -93,6 +94,17 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     for warning in summary["warnings"]:
         print(f"render: warning: {warning}", file=sys.stderr)
     write_json(out / "summary.json", {"status": "done", **summary})
+
+
+def _with_builders(settings: Any) -> Any:
+    """The settings, in which looks that installed packages add say what builds them."""
+    if isinstance(settings, list):
+        return [_with_builders(value) for value in settings]
+    if not isinstance(settings, dict):
+        return settings
+    found = {key: _with_builders(value) for key, value in settings.items()}
+    look = added("looks").get(found.get("type", ""))
+    return found if look is None else found | {"build": look.IMPLEMENTATION}
 
 
 def _refuse_spoiled(options: argparse.Namespace, frames: range) -> None:

@@ -19,6 +19,8 @@ class HexColor:
     """Annotation of a colour field: `#rrggbb` and `#rgb` become three numbers from 0 to 1."""
 
     def convert(self, value: Any) -> Any:
+        """Red, green and blue from 0 to 1; lists of such numbers stay as they are. Raises PydanticCustomError for what
+        is no colour."""
         in_bytes = _in_bytes(value)
         if isinstance(value, list | tuple) and not in_bytes:
             return value

@@ -37,6 +37,7 @@ class Box:
         return Box(triple(map(min, self.low, other.low)), triple(map(max, self.high, other.high)))
 
     def corners(self) -> list[Vector]:
+        """All eight [m], the lowest first."""
         (x0, y0, z0), (x1, y1, z1) = self.low, self.high
         return [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
 

@@ -36,11 +36,14 @@ class Job:
     """Instead of pictures: a file of the animation, .usd, .usda, .usdc, .abc or .blend."""
 
     def frames(self) -> range:
+        """Numbers of the frames to be rendered."""
         return range(self.first, self.last + 1)
 
     def write(self, path: Path) -> None:
+        """Write it as JSON, for `load`."""
         path.write_text(json.dumps(asdict(self)))
 
     @classmethod
     def load(cls, path: Path) -> Job:
+        """Read what `write` wrote."""
         return cls(**json.loads(path.read_text()))

@@ -7,12 +7,15 @@ Lengths are in metres and y is up, as in the simulation. A direction is given by
 from __future__ import annotations
 
 import itertools
+from functools import reduce
+from operator import or_
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from common.registry import added
 from render.color import Color, srgb
 from scene.diagnostics.suggestions import suggestion
 from scene.settings import Name, Settings
@@ -134,7 +137,9 @@ class Glass(Settings):
     """0 is clear, 0.3 frosted."""
 
 
-Look = Annotated[Water | Plastic | Metal | Stone | Matte | ClothLook | Glass, Field(discriminator="type")]
+LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
+
+Look: Any = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]
 
 
 def _water_unless_told(value: Any) -> Any:

@@ -129,6 +129,7 @@ class Document:
 
 
 def dotted(location: Iterable[str | int]) -> str:
+    """The parts of a location with dots between them, as messages name a setting."""
     return ".".join(str(part) for part in location)
 
 

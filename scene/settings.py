@@ -25,6 +25,7 @@ class Settings(BaseModel):
 
 
 def canonical_json(data: Any) -> str:
+    """The same text for equal data: keys in order, no blanks. Raises ValueError for numbers that are not finite."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
 

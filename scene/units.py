@@ -91,6 +91,8 @@ class Unit:
     symbol: str
 
     def convert(self, value: Any) -> Any:
+        """The number in the field's unit that a string means; what is no string stays as it is. Raises
+        PydanticCustomError for what means no quantity of that kind, or is not finite."""
         if isinstance(value, bool) or value is None:
             shown = "nothing" if value is None else str(value).lower()
             raise PydanticCustomError(

@@ -167,6 +167,7 @@ class Addition(Settings):
     containers: dict[Name, Container] = {}
 
     def names(self) -> list[str]:
+        """Of all that it adds: fluid, emitters, drains, bodies, sheets and containers."""
         return [*self.fluid, *self.emitters, *self.drains, *self.rigid, *self.cloth, *self.containers]
 
 

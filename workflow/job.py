@@ -57,12 +57,14 @@ class Log:
             self._sinks.append(file.open("wb"))
 
     def write(self, text: bytes) -> None:
+        """Pass bytes on at once, also where one of the two fails."""
         for sink in self._sinks:
             with contextlib.suppress(OSError, ValueError):
                 sink.write(text)
                 sink.flush()
 
     def say(self, message: str) -> None:
+        """Add a line of the pipeline's own."""
         self.write(f"tidemill: {message}\n".encode())
 
 

@@ -89,7 +89,7 @@ def view_of(camera: Any, box: Box | None, resolution: tuple[int, int], time: flo
 
 def _moved(keyframes: Sequence[Any], field_of_view: float, time: float) -> tuple[Vector, Vector, float]:
     """Position, target and field of view between keyframes: a cubic Hermite curve through them whose slopes are those
-    of Catmull and Rom (1974), and zero at both ends, so that the camera sets off and comes to rest softly."""
+    of Catmull & Rom 1974, and zero at both ends, so that the camera sets off and comes to rest softly."""
     times = [key.at for key in keyframes]
     time = min(max(time, times[0]), times[-1])
     end = min(bisect.bisect_right(times, time), len(times) - 1)

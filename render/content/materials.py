@@ -7,7 +7,7 @@ from typing import Any
 
 from render.blender.session import bpy
 from render.content.nodes import Graph, rgba
-from render.looks import LOOKS
+from render.looks import load_look
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
 """Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
@@ -17,11 +17,11 @@ PLAIN = (0.894118, 0.341176, 0.180392)
 
 def make_material(name: str, look: Any, size: float, tinted: bool = False) -> Any:
     """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours."""
-    if look.color is None and not tinted:
+    if getattr(look, "color", PLAIN) is None and not tinted:
         look = SimpleNamespace(**vars(look) | {"color": PLAIN})
     material = bpy.data.materials.new(name)
     graph = Graph.new(material)
-    surface, volume = LOOKS[look.type](graph, look, size)
+    surface, volume = load_look(look)(graph, look, size)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)
     output = graph.node("OutputMaterial", {"Surface": surface})

@@ -34,9 +34,11 @@ class TriangleMesh:
     triangles: Any
 
     def vertex_count(self) -> int:
+        """Length of the columns."""
         return len(self.columns["x"])
 
     def has(self, *names: str) -> bool:
+        """Whether there are columns of all these names."""
         return all(name in self.columns for name in names)
 
 

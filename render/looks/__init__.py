@@ -9,15 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from render.content.nodes import Graph
-from render.looks import cloth, glass, matte, metal, plastic, stone, water
+from common.registry import load
 
-LOOKS: dict[str, Callable[[Graph, Any, float], tuple[Any, Any]]] = {
-    "water": water.build,
-    "plastic": plastic.build,
-    "metal": metal.build,
-    "stone": stone.build,
-    "matte": matte.build,
-    "cloth": cloth.build,
-    "glass": glass.build,
+Build = Callable[[Any, Any, float], tuple[Any, Any]]
+
+LOOKS = {
+    "water": "render.looks.water:build",
+    "plastic": "render.looks.plastic:build",
+    "metal": "render.looks.metal:build",
+    "stone": "render.looks.stone:build",
+    "matte": "render.looks.matte:build",
+    "cloth": "render.looks.cloth:build",
+    "glass": "render.looks.glass:build",
 }
+"""By the type that they have in a scene."""
+
+
+def load_look(look: Any) -> Build:
+    """What builds a look; settings of one that an installed package adds say it themselves, in `build`."""
+    return load(getattr(look, "build", None) or LOOKS[look.type])

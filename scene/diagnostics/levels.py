@@ -41,6 +41,7 @@ class Levels:
 
 @functools.cache
 def levels(model: type[BaseModel]) -> Levels:
+    """Of a model of settings; found once and kept."""
     found = Levels({}, {}, [])
     _walk(model, (), found)
     return found

@@ -37,6 +37,7 @@ class Dynamic:
         self.now = Movement(self.pivot, position, rotation, np.zeros(3), np.zeros(3))
 
     def next_keyframe(self, time: float) -> float:
+        """Infinite: no keyframe changes its velocities."""
         return math.inf
 
     def fastest(self, reach: float) -> float:

@@ -1,11 +1,14 @@
-"""Cloth: masses and springs, stepped by one of three integrators."""
+"""Cloth: masses and springs, stepped by one of three integrators.
 
-from importlib import import_module
+Only `sim.coupling` and `sim.run` import it.
+"""
+
 from typing import Any
+
+from common.registry import load
 
 MATERIALS = ("cloth",)
 """Of a scene, for this to be loaded."""
-
 INTEGRATORS = {
     "symplectic_euler": "sim.cloth.integrators.symplectic_euler:SymplecticEuler",
     "implicit_euler": "sim.cloth.integrators.implicit_euler:ImplicitEuler",
@@ -16,5 +19,4 @@ INTEGRATORS = {
 
 def load_integrator(name: str) -> type[Any]:
     """The class of an integrator; only the chosen one is imported."""
-    module, _, attribute = INTEGRATORS[name].partition(":")
-    return getattr(import_module(module), attribute)
+    return load(INTEGRATORS[name])

@@ -168,6 +168,7 @@ class ClothModel:
         put(len(places), self._solid_rows, places, self.mesh.points.position)
 
     def measure(self) -> ClothMeasure:
+        """Energies and extremes as they are now."""
         return self._meter.read()
 
     def step_limits(self) -> dict[str, float]:
@@ -179,6 +180,7 @@ class ClothModel:
         return min((lead.motion.next_keyframe(time) for lead in self._leads), default=np.inf)
 
     def state(self) -> ClothState:
+        """What a checkpoint keeps: points, contacts with their forces, and the force of the fluid."""
         counts = {item.name: len(item.fabric.points) for item in self.sheets}
         points = self.mesh.points
         count, known = self.mesh.count, self.collisions.known
@@ -209,6 +211,7 @@ class ClothModel:
 
     @property
     def bytes(self) -> int:
+        """Memory of the mesh and of the integrator with its contacts [bytes]."""
         return self.mesh.bytes + self.integrator.bytes
 
     def _refuse_jumps(self, position: np.ndarray, time: float) -> None:

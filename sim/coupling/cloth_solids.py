@@ -78,7 +78,7 @@ def push(cloth: ClothModel, rigid: RigidModel, dt: float) -> None:
     """Let bodies give way to the cloth as it found in a step of dt [s]."""
     collisions, bodies = cloth.collisions, cloth.collisions.loose
     loose = np.array(cloth.solids.loose)
-    rigid.add_response(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.displacements())
+    rigid.apply_response(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.displacements())
     rigid.rebound(dt, loose, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
 
 

@@ -55,7 +55,10 @@ def integer_array(values: np.ndarray) -> ti.Ndarray:
 
 
 class Particles:
-    """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared."""
+    """The declared arrays for `count` particles, with room for `capacity`; an attribute for each, named as declared.
+
+    Raises ValueError where two declare the same name: each would write into what the other keeps.
+    """
 
     if TYPE_CHECKING:
 
@@ -63,6 +66,9 @@ class Particles:
 
     def __init__(self, declared: Sequence[Declared], count: int):
         self.declared = tuple(declared)
+        names = [field.name for field in self.declared]
+        if len(set(names)) < len(names):
+            raise ValueError(f"declared twice: {', '.join(sorted({name for name in names if names.count(name) > 1}))}")
         self.count = count
         self.capacity = max(count, 1)
         self._allocate()
@@ -136,6 +142,7 @@ class Particles:
 
     @property
     def bytes(self) -> int:
+        """Memory of all arrays, with room for `capacity` particles [bytes]."""
         elements = [field.element for field in self.declared] + list(self._spare)
         kinds = [_ELEMENTS[element][1:] for element in elements]
         return sum(np.dtype(kind).itemsize * width for kind, width in kinds) * self.capacity

@@ -8,6 +8,7 @@ import io
 import os
 import sys
 
+from common.registry import packages
 from sim.device import compilation, kernel_cache, launching, summation
 from sim.device.affinity import bound
 
@@ -76,9 +77,11 @@ def _disown() -> None:
 
 
 def compiled_kernels() -> list[str]:
-    """The kernels of this project that this process has compiled or taken from the cache, as `module.function`."""
+    """The kernels of this project, and of what packages add to it, that this process has compiled or taken from the
+    cache, as `module.function`."""
     found = []
-    for module in [module for name, module in sys.modules.items() if name.startswith("sim.")]:
+    ours = ("sim.", *(f"{package}." for package in packages()))
+    for module in [module for name, module in sys.modules.items() if name.startswith(ours)]:
         for value in vars(module).values():
             kernel = getattr(value, "_primal", None)
             if kernel is not None and kernel.compiled_kernels and value.__module__ == module.__name__:

@@ -11,6 +11,21 @@ import taichi as ti
 
 from sim.device.arrays import real
 
+SIGMA = 8.0 / math.pi
+"""W h^3 is this times the spline, in three dimensions."""
+
+
+@ti.func
+def cubic_norm(inverse_h: real) -> real:
+    """What `cubic` is multiplied by to be W [1/m^3]."""
+    return SIGMA * inverse_h * inverse_h * inverse_h
+
+
+@ti.func
+def slope_norm(inverse_h: real) -> real:
+    """What `cubic_slope` is multiplied by [1/m^5]."""
+    return SIGMA * inverse_h**5
+
 
 @ti.func
 def cubic(q: real) -> real:

@@ -46,6 +46,7 @@ class FluidState:
 
     @property
     def count(self) -> int:
+        """Number of particles."""
         return len(self.position)
 
     def without_body(self, body: int) -> FluidState:
@@ -54,6 +55,7 @@ class FluidState:
         return FluidState(*(values[keep] for values in vars(self).values()))
 
     def joined(self, other: FluidState) -> FluidState:
+        """With the particles of another behind its own."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return FluidState(*(np.concatenate(pair) for pair in pairs))
 
@@ -154,9 +156,11 @@ class FluidModel:
 
     @property
     def count(self) -> int:
+        """Number of particles now."""
         return self.system.count
 
     def state(self) -> FluidState:
+        """The particles as they are now."""
         return FluidState(**self.system.particles.state())
 
     def measure(self, cfl: float) -> Measure:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, ValidationError, WithJsonSchema, model_validator
 
+from common.registry import added, names
+from scene.diagnostics.suggestions import suggestion
 from scene.settings import Name, Settings
 from scene.units import (
     AngularVelocity,
@@ -22,6 +24,7 @@ from scene.units import (
     VelocityGradient,
     VolumeRate,
 )
+from sim.fluid import SOLVERS
 from sim.geometry.spec import ClosedShape, MeshFace, Placement
 
 DIVERGENCE_TOLERANCE = 1e-6
@@ -122,7 +125,7 @@ class Wcsph(Settings):
     """Numerical speed of sound [m/s]. `auto` takes ten times the greatest speed that the scene's
     drop height and initial velocities allow, for about 1 % compression."""
     artificial_viscosity: Annotated[Dimensionless, Ge(0), Le(1)] = 0.05
-    """Coefficient alpha of Monaghan (1992); damps the sound waves that compressibility brings."""
+    """Coefficient alpha of Monaghan 1992; damps the sound waves that compressibility brings."""
     wall_damping: Annotated[Dimensionless, Ge(0), Le(2)] = 1.0
     """The same coefficient for what runs into a solid: 0 makes drops bounce off, 1 makes them stay."""
 
@@ -175,6 +178,29 @@ class ImplicitViscosity(Settings):
     """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
 
 
+Added = Annotated[Settings, SerializeAsAny(), WithJsonSchema({"type": "object"})]
+
+
+def _of_packages(values: Any) -> Any:
+    """Settings of forces and solvers as those who add them have declared them."""
+    if not isinstance(values, dict):
+        return values
+    known = added("forces") | added("solvers")
+    for name in values:
+        if name not in known:
+            fix = suggestion(name, known) if known else "no installed package adds any: remove it"
+            raise ValueError(f"no force or solver '{name}': {fix}")
+    return {name: _checked(name, known[name], value) for name, value in values.items()}
+
+
+def _checked(name: str, model: type[Settings], value: Any) -> Settings:
+    try:
+        return value if isinstance(value, Settings) else model.model_validate(value or {})
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise ValueError(f"{'.'.join(map(str, (name, *first['loc'])))}: {first['msg']}") from None
+
+
 class Fluid(Settings):
     """The liquid and how it is simulated."""
 
@@ -186,7 +212,7 @@ class Fluid(Settings):
     """Outlets through which fluid comes in, by name."""
     drains: dict[Name, Drain] = {}
     """Volumes in which fluid vanishes, by name."""
-    solver: Literal["wcsph", "pcisph", "iisph", "dfsph"] = "wcsph"
+    solver: Literal[(*SOLVERS, *names("solvers"))] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
     rest_density: Density = 1000.0
@@ -206,7 +232,7 @@ class Fluid(Settings):
     """Coefficient of surface tension [N/m]: water in air 0.072."""
     surface_tension_model: Literal["becker2007", "akinci2013"] = "becker2007"
     """Attraction of neighbours (Becker & Teschner 2007), or cohesion that keeps its distance and a pull towards a
-    smaller surface (Akinci et al. 2013)."""
+    smaller surface (Akinci et al. 2013a)."""
     adhesion: SurfaceTension = 0.0
     """Work that it takes to part the fluid from solids, per area [N/m]: surface_tension times 1 + cos of the angle at
     which the surface meets them."""
@@ -217,6 +243,15 @@ class Fluid(Settings):
     pcisph: Pcisph = Pcisph()
     iisph: Incompressible = Incompressible()
     dfsph: Dfsph = Dfsph()
+    extra: Annotated[dict[Name, Added], BeforeValidator(_of_packages)] = {}
+    """Settings of forces and solvers that installed packages add, by their names; a force acts where it is named."""
+
+    @property
+    def solver_settings(self) -> Any:
+        """Those of the chosen solver."""
+        if self.solver in type(self).model_fields:
+            return getattr(self, self.solver)
+        return self.extra.get(self.solver) or added("solvers")[self.solver]()
 
     @property
     def spacing(self) -> float:

@@ -65,9 +65,11 @@ STILL = Measure(0.0, 0.0, 0.0, 0.0, np.zeros(3), np.zeros(3), 0.0, 0.0, 0.0, 0.0
 class Exchange(Protocol):
     """Particles that come, are led, and go."""
 
-    def lead(self) -> None: ...
+    def lead(self) -> None:
+        """Hold those that are led to their way, whatever forces there are."""
 
-    def exchange(self, dt: float) -> bool: ...
+    def exchange(self, dt: float) -> bool:
+        """Take out and bring in what the step dt [s] demands; returns whether there was anything."""
 
 
 class ViscousDrag(Protocol):
@@ -78,8 +80,8 @@ class ViscousDrag(Protocol):
     body_of: ti.Ndarray
 
     def begin(self, viscosity: float, sums: ti.Ndarray) -> None:
-        """Residuals and directions, where particles have their first guess as velocity, and search.w is the density;
-        viscosity: kinematic, times the step [m^2]."""
+        """Residuals and directions, where particles have their first guess as velocity, and viscous_search.w is the
+        density; viscosity: kinematic, times the step [m^2]."""
 
     def pull(self) -> None:
         """The images of the searches."""
@@ -143,7 +145,8 @@ class Bodies(Protocol):
         """Keep particles that have gone dt [s] with their velocities on their side of what is thin."""
 
     @property
-    def bytes(self) -> int: ...
+    def bytes(self) -> int:
+        """Memory of what the exchange with the fluid needs [bytes]."""
 
 
 class FluidSystem:
@@ -201,6 +204,7 @@ class FluidSystem:
 
     @property
     def count(self) -> int:
+        """Number of particles now."""
         return self.particles.count
 
     def load(self, state: dict[str, np.ndarray]) -> None:
@@ -347,6 +351,7 @@ class FluidSystem:
 
     @property
     def bytes(self) -> int:
+        """Memory of particles, neighbours, surroundings, and of what the fluid moves [bytes]."""
         own = self.particles.bytes + self.grid.bytes + self.neighbors.bytes + self.boundary.bytes
         return own + (self.bodies.bytes if self.bodies else 0)
 

@@ -1,4 +1,4 @@
-"""Foam from one frame to the next: birth, kinds, motion and age. Equations as in Ihmsen et al. (2012)."""
+"""Foam from one frame to the next: birth, kinds, motion and age. Equations as in Ihmsen et al. 2012."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ for foam, 2 for a bubble. A frame holds all that the next follows from."""
 
 
 def clamp(values: np.ndarray, bounds: Range) -> np.ndarray:
-    """0 below `low`, 1 from `high` on, linear in between (equation 1)."""
+    """0 below `low`, 1 from `high` on, linear in between (eq. 1)."""
     return (np.clip(values, bounds.low, bounds.high) - bounds.low) / (bounds.high - bounds.low)
 
 
 def rates(trapped: np.ndarray, crest: np.ndarray, velocity: np.ndarray, spec: FoamSpec) -> np.ndarray:
-    """Particles of foam that each particle of the fluid makes [1/s] (equation 9 and the one after); shape [n]."""
+    """Particles of foam that each particle of the fluid makes [1/s] (eq. 9 and the one after); shape [n]."""
     energy = (velocity.astype(np.float64) ** 2).sum(axis=1)
     low, high = spec.agitation.low**2, spec.agitation.high**2
     moving = (np.clip(energy, low, high) - low) / (high - low)
@@ -43,7 +43,7 @@ def rates(trapped: np.ndarray, crest: np.ndarray, velocity: np.ndarray, spec: Fo
 def born(
     fluid: Fluid, spec: FoamJobSpec, step: float, dice: np.random.Generator, bodies: Sequence[Placed] = ()
 ) -> np.ndarray:
-    """New FOAM_POINTs of one step [s]: in the cylinders that the fluid's particles sweep in it (equation 10), outside
+    """New FOAM_POINTs of one step [s]: in the cylinders that the fluid's particles sweep in it (eq. 10), outside
     of walls and bodies."""
     foam = spec.foam
     rate = rates(*fluid.potentials(), fluid.velocity, foam)
@@ -74,7 +74,7 @@ def moved(
 ) -> np.ndarray:
     """The same points a step [s] later, without those whose life is over; fluid and bodies are those at its end.
 
-    Spray flies (equation 11), bubbles rise and are carried along (12), both integrated exactly; foam goes with the
+    Spray flies (eq. 11), bubbles rise and are carried along (12), both integrated exactly; foam goes with the
     fluid (13).
     """
     foam = spec.foam

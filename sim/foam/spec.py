@@ -16,7 +16,7 @@ Speed = Annotated[float, Ge(0), Le(1e5), Unit("m/s")]
 
 
 class Range(Settings):
-    """Below `low` nothing, from `high` on everything, in between in proportion (equation 1)."""
+    """Below `low` nothing, from `high` on everything, in between in proportion (Ihmsen et al. 2012, eq. 1)."""
 
     @model_validator(mode="after")
     def _grows(self) -> Self:
@@ -26,7 +26,7 @@ class Range(Settings):
 
 
 class TrappedAir(Range):
-    """Air that is drawn in where fluid meets fluid (equations 2 and 3)."""
+    """Air that is drawn in where fluid meets fluid (Ihmsen et al. 2012, eq. 2 and 3)."""
 
     rate: Rate = 400.0
     """Particles of foam that a particle of the fluid makes at most [1/s]."""
@@ -36,7 +36,7 @@ class TrappedAir(Range):
 
 
 class WaveCrest(Range):
-    """Foam that tears off the crests of waves (equations 4 to 8)."""
+    """Foam that tears off the crests of waves (Ihmsen et al. 2012, eq. 4 to 8)."""
 
     rate: Rate = 400.0
     """Particles of foam that a particle of the fluid makes at most [1/s]."""
@@ -46,7 +46,7 @@ class WaveCrest(Range):
 
 
 class Agitation(Range):
-    """How fast the fluid has to be to make any foam, by its kinetic energy (equation 9)."""
+    """How fast the fluid has to be to make any foam, by its kinetic energy (Ihmsen et al. 2012, eq. 9)."""
 
     low: Speed = 0.8
     """[m/s]"""
@@ -55,7 +55,8 @@ class Agitation(Range):
 
 
 class Lifetime(Range):
-    """Of foam on the water; spray and bubbles do not age (section 3.3). What is made where much is made lives long."""
+    """Of foam on the water; spray and bubbles do not age (Ihmsen et al. 2012, sec. 3.3). What is made where much is
+    made lives long."""
 
     low: PositiveDuration = 1.0
     """[s]"""
@@ -75,11 +76,12 @@ class FoamSpec(Settings):
     bubbles_above: Annotated[int, Ge(0), Le(1000)] = 20
     """With more than this it is a bubble, which rises; in between it is foam, which floats."""
     buoyancy: Annotated[Dimensionless, Ge(0), Le(100)] = 2.0
-    """Upward acceleration of bubbles at rest in the fluid, over gravity (equation 12); 2 is that of a light ball, which
-    has to move half its volume of the fluid along."""
+    """Upward acceleration of bubbles at rest in the fluid, over gravity (Ihmsen et al. 2012, eq. 12); 2 is that of a
+    light ball, which has to move half its volume of the fluid along."""
     relaxation_time: PositiveDuration = 0.012
-    """In which drag takes a bubble to within 1 / e of its speed of rising [s] (equation 12, whose drag coefficient
-    depends on the step): 12 ms with a buoyancy of 2 are 0.24 m/s, as of bubbles of some millimetres in water."""
+    """In which drag takes a bubble to within 1 / e of its speed of rising [s] (Ihmsen et al. 2012, eq. 12, whose drag
+    coefficient depends on the step): 12 ms with a buoyancy of 2 are 0.24 m/s, as of bubbles of some millimetres in
+    water."""
     radius: PositiveLength | None = None
     """Of a mean particle of foam in the picture [m], from half to one and a half of it; without it, a sixth of the
     fluid's particle radius."""

@@ -1,4 +1,4 @@
-"""Sums over the fluid's particles that foam needs; the equations are numbered as in Ihmsen et al. (2012)."""
+"""Sums over the fluid's particles that foam needs; the equations are numbered as in Ihmsen et al. 2012."""
 
 import math
 
@@ -10,7 +10,7 @@ from sim.fluid.kernel import cubic, cubic_slope
 SURFACE = 0.7
 """Gradient of the colour field, over 1 / h, from which a particle is at the surface: half of 1.4 at a plane one."""
 CREST = 0.6
-"""Cosine between velocity and normal from which a particle runs ahead of its wave (equation 7)."""
+"""Cosine between velocity and normal from which a particle runs ahead of its wave (eq. 7)."""
 TINY = 1e-12
 SPLINE = 8.0 / math.pi
 
@@ -52,7 +52,7 @@ def potentials(
     trapped: RealArray,
     crest: RealArray,
 ):
-    """How much each particle draws in air [m/s] (equation 2), and how much it is a crest [1] (equations 4 to 7)."""
+    """How much each particle draws in air [m/s] (eq. 2), and how much it is a crest [1] (eq. 4 to 7)."""
     for i in range(count):
         approach, bend = ti.cast(0.0, real), ti.cast(0.0, real)
         n = normal[i].xyz
@@ -82,7 +82,7 @@ def surroundings(
     index: IntTable,
     found: Vec4Array,
 ):
-    """Mean velocity of the fluid around points [m/s] in xyz (equation 13), and in w how many of its particles are near;
+    """Mean velocity of the fluid around points [m/s] in xyz (eq. 13), and in w how many of its particles are near;
     both 0 where there are none."""
     for i in range(count):
         total, weights = vec3(0.0), ti.cast(0.0, real)

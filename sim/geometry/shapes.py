@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from common.registry import load
 from scene import assets
 from scene.settings import Refused
 from sim.geometry.solids import (
@@ -85,11 +86,12 @@ def place(shape, placement: Placement, folder: Path) -> Solid:
             return TorusSolid(pose, mesh, shape.radius, shape.tube_radius)
         case Sheet():
             return SheetSolid(pose, mesh, shape.size)
-    raise TypeError(f"no solid for the shape {type(shape).__name__}")
+    return MeshSolid(pose, mesh, None)
 
 
 def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
-    """Triangles of a built-in shape in its own frame [m]: watertight and outward, or an open rectangle for a sheet.
+    """Triangles of a shape in its own frame [m]: watertight and outward, or an open rectangle for a sheet; of a shape
+    that an installed package adds, what its implementation makes of it.
 
     All vertices lie on the surface; triangles are within about `chord_error` times the radius of it.
     """
@@ -125,7 +127,7 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
             tube = shape.tube_radius * np.column_stack([np.cos(angle), np.sin(angle)])
             tube[:, 0] += shape.radius
             return _revolved(tube, chord_error, ring=True)
-    raise TypeError(f"no triangles for the shape {type(shape).__name__}")
+    return load(shape.IMPLEMENTATION)(shape)
 
 
 def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[trimesh.Trimesh, RepairReport | None]:

@@ -35,6 +35,7 @@ class Pose:
 
     @classmethod
     def of(cls, placement: Placement) -> Pose:
+        """The pose that the settings of a shape ask for."""
         return cls(np.array(placement.position), rotation_matrix(placement.rotation), float(placement.scale))
 
     def to_world(self, points: np.ndarray) -> np.ndarray:

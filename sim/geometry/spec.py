@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt
 from pydantic import Field, model_validator
 
+from common.registry import added
 from scene.settings import Settings
 from scene.units import Angle, Dimensionless, Direction, Extents, Position, PositiveLength
 
@@ -132,8 +135,13 @@ class MeshFace(MeshSurface):
     area do not count."""
 
 
-ClosedShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | MeshFile, Field(discriminator="type")]
-AnyShape = Annotated[Box | Sphere | Cylinder | Capsule | Torus | Plane | Sheet | MeshFile, Field(discriminator="type")]
+PRIMITIVES = (Box, Sphere, Cylinder, Capsule, Torus)
+"""Closed shapes that are known in closed form."""
+BY_TRIANGLES = (MeshFile, *added("shapes").values())
+"""Those of files, and what installed packages add."""
+
+ClosedShape: Any = Annotated[reduce(or_, (*PRIMITIVES, *BY_TRIANGLES)), Field(discriminator="type")]
+AnyShape: Any = Annotated[reduce(or_, (*PRIMITIVES, Plane, Sheet, *BY_TRIANGLES)), Field(discriminator="type")]
 ClothShape = Annotated[Sheet | MeshSurface, Field(discriminator="type")]
 
 

@@ -53,6 +53,7 @@ def meet(low: vec3, high: vec3, other_low: vec3, other_high: vec3) -> ti.i32:
 
 @ti.kernel
 def clear(nodes: ti.i32, low: Vectors, high: Vectors):
+    """Make all boxes empty: from FAR to -FAR."""
     for k in range(nodes):
         low[k] = vec3(FAR, FAR, FAR)
         high[k] = -low[k]

@@ -86,6 +86,7 @@ class HashGrid:
 
     @property
     def bytes(self) -> int:
+        """Memory of where cells begin, and of the order of points [bytes]."""
         return 4 * (self._cells + 2 * self._capacity)
 
 
@@ -147,6 +148,7 @@ class NeighborList:
 
     @property
     def bytes(self) -> int:
+        """Memory of the indices, and of how many there are of each particle [bytes]."""
         return 4 * self._rows * (self.capacity + 1)
 
 

@@ -40,6 +40,7 @@ class RigidState:
     """On the first body, in world axes [N]."""
 
     def without_contacts(self) -> RigidState:
+        """The bodies only, for a world that numbers its own otherwise."""
         none = RigidState()
         contacts = {name: getattr(none, name) for name in ("contact_pair", "contact_place", "contact_force")}
         return replace(self, **contacts)

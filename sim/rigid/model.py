@@ -1,9 +1,9 @@
 """Rigid bodies that obey forces, and what they meet: one step after the other.
 
-A step: forces change velocities (free_motion); near bodies are paired (broad_phase), and the places where they touch or
-will are found (narrow_phase, box_box, manifold); impulses are found for all of them together (contact_solver); bodies
-move (free_motion, rotation); those that were struck bounce (restitution), and what overlaps still is parted without
-gaining speed (gather). Where there is cloth, bodies bounce last, when it is known what it does to them.
+A step: forces change velocities (free_motion); near bodies are paired (sweep_and_prune), and the places where they
+touch or will are found (narrow_phase, box_box, manifold); impulses are found for all of them together (contact_solver);
+bodies move (free_motion, rotation); those that were struck bounce (restitution), and what overlaps still is parted
+without gaining speed (contact_table). Where there is cloth, bodies bounce last, when it is known what it does to them.
 """
 
 from __future__ import annotations
@@ -215,9 +215,11 @@ class RigidModel:
         """Find angular velocities, to the bit as a step leaves them: the next one depends on them."""
         free_motion.turn(self.count, self._mobile, self._inverse_inertia, self._motion)
 
-    def give_way(self, bodies: np.ndarray, impulse: np.ndarray, displacement: np.ndarray, turn: np.ndarray) -> None:
-        """Take bodies further by ways [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that they got
-        on it."""
+    def apply_response(
+        self, bodies: np.ndarray, impulse: np.ndarray, displacement: np.ndarray, turn: np.ndarray
+    ) -> None:
+        """Take bodies further by displacements [m] and turns [rad], with impulses [N s] and [N m s], shape [n, 6], that
+        they got on it."""
         self.position[bodies] += displacement
         turned = Rotation.from_rotvec(turn) * _rotations(self.rotation[bodies])
         self.rotation[bodies] = np.roll(turned.as_quat(), 1, axis=1)
@@ -545,6 +547,7 @@ class RigidModel:
         )
 
     def state(self) -> RigidState:
+        """What a checkpoint keeps of the bodies that obey forces, and of contacts."""
         free = self.free
         return RigidState(
             tuple(body.name for body in self.bodies if body.mass is not None),

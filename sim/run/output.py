@@ -157,10 +157,12 @@ class Output:
             table.flush()
 
     def drop_rows(self) -> None:
+        """Forget the rows of all tables since their last flush: their steps are to be repeated."""
         for table in self._tables():
             table.drop()
 
     def close(self) -> None:
+        """Close the files of all tables."""
         for table in self._tables():
             table.close()
 

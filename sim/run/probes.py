@@ -82,6 +82,7 @@ class FluidView:
         self.pressure = part.system.pressures() * self.density**2
 
     def read(self, probe: Probe) -> list[tuple[str, float, str]]:
+        """Name, value and unit of all that a probe measures; raises TypeError for a probe of another kind."""
         match probe:
             case WaterHeight():
                 return [("water_height", self.water_height(probe.x, probe.z), "m")]

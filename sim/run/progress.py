@@ -32,6 +32,7 @@ class Progress:
         )
 
     def update(self, run: Run) -> None:
+        """Say that one more frame is done, and where the run stands."""
         self.done += 1
         now = _worked()
         self.left.took(now - self._last)
@@ -45,12 +46,14 @@ class Progress:
             print(f"frame {run.clock.frame}: {state}; {self.done}/{self.total}{self.left}", file=sys.stderr, flush=True)
 
     def say(self, message: str) -> None:
+        """Print a line to standard error, above the bar where there is one."""
         if self.bar is not None:
             self.bar.write(message, file=sys.stderr)
         else:
             print(message, file=sys.stderr, flush=True)
 
     def close(self) -> None:
+        """End the bar, where there is one."""
         if self.bar is not None:
             self.bar.close()
 

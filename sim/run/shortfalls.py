@@ -44,7 +44,7 @@ def shortfalls(spec: SimulationSpec, before: Counts, after: Counts, work: Work) 
 def _of_fluid(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterator[str]:
     fluid = spec.fluid
     if done["pressure_capped"] > MANY * work.steps and fluid.solver != "wcsph":
-        settings = getattr(fluid, fluid.solver)
+        settings = fluid.solver_settings
         errors = [name for name in ("density_error", "divergence_error") if hasattr(settings, name)]
         yield _capped(
             "the pressure solver",

@@ -30,6 +30,7 @@ class Table:
         self.mark()
 
     def add(self, *values: Any) -> None:
+        """Keep a row back, floats with nine digits, and empty where they are not finite."""
         self._rows.append([_short(value) for value in values])
 
     def drop(self) -> None:
@@ -41,6 +42,7 @@ class Table:
         self._size = self._stream.seek(0, os.SEEK_END)
 
     def flush(self) -> None:
+        """Write the rows that were kept back."""
         left = memoryview(_csv(self._rows))
         while left:
             left = left[self._stream.write(left) :]
@@ -52,6 +54,7 @@ class Table:
         self._stream.seek(self._size)
 
     def close(self) -> None:
+        """Close the file; rows that are kept back are lost."""
         self._stream.close()
 
 

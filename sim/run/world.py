@@ -222,7 +222,7 @@ class World:
             self._sheet_samples(),
             self.origin,
             self._solids_ahead,
-            self._give_way,
+            self._apply_response,
             alone=alone,
         )
         return self.wet_cloth
@@ -409,7 +409,7 @@ class World:
         self._follow()
         self.cloth.settle_solids(places(self.obstacles, until))
 
-    def _give_way(self, dt: float) -> None:
+    def _apply_response(self, dt: float) -> None:
         """Let wet cloth push dynamic bodies, before the fluid hears where they are."""
         if self.floating:
             self._push(dt, self._until)
@@ -467,6 +467,7 @@ class World:
         return {"fluid.viscosity_solver": "implicit" if self.fluid.system.implicit_viscosity else "explicit"}
 
     def bytes_by_module(self) -> dict[str, int]:
+        """Memory of each material that the scene has [bytes]."""
         found = {"fluid": self.fluid.system.bytes} if self.fluid else {}
         found |= {"rigid": self.rigid.bytes} if self.rigid else {}
         return found | ({"cloth": self.cloth.bytes} if self.cloth else {})

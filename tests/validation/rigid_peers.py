@@ -134,7 +134,7 @@ class Tidemill:
 
     @property
     def overlap(self) -> float:
-        return max(0.0, self.part.told.get("overlap", 0.0))
+        return max(0.0, self.part.stats.get("overlap", 0.0))
 
 
 def mujoco(scene: Scene, *, threads: int = 2, timestep: float = 1e-3) -> Engine:

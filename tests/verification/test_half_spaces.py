@@ -502,7 +502,7 @@ def test_a_particle_that_got_through_is_brought_back(tmp_path, kind, thick):
     faces.find(vectors(start), len(start))
     speeds = np.column_stack((np.full(len(start), 0.3), -2 * side, np.full(len(start), -0.1)))
     x, v = vectors(start + way), vectors(speeds)
-    assert faces.hold_off(x, v, len(start), 0.1 * SPACING) == gone.sum()
+    assert faces.prevent_penetration(x, v, len(start), 0.1 * SPACING) == gone.sum()
     place, velocity = x.to_numpy()[:, :3], v.to_numpy()[:, :3]
     np.testing.assert_allclose(place[~gone], (start + way)[~gone], atol=1e-7)
     np.testing.assert_allclose(velocity[~gone], speeds[~gone], atol=1e-6)

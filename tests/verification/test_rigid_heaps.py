@@ -48,6 +48,6 @@ def test_sweeps_over_a_heap_at_rest_end_below_their_cap(tmp_path, rounding):
     heap = part({**bodies, "floor": ground()}, max_step=0.008)
     step(heap, 0.12)
     began, capped = heap.position.copy(), []
-    step(heap, 0.4, lambda _: capped.append(heap.told["contacts_capped"]))
+    step(heap, 0.4, lambda _: capped.append(heap.stats["contacts_capped"]))
     assert sum(capped) <= MANY * len(capped)
     assert (np.linalg.norm(heap.position - began, axis=1) < 1e-3 * heap.size).all()

@@ -72,7 +72,7 @@ def test_deep_overlap_is_undone_slowly():
     bodies = part({"one": box((EDGE,) * 3), "other": box((EDGE,) * 3, position=[0.05, 0.02, 0.01])}, gravity=(0, 0, 0))
     places = [bodies.position.copy()]
     step(bodies, 1.5, lambda time: places.append(bodies.position.copy()))
-    assert bodies.told["overlap"] < 1e-3 * EDGE
+    assert bodies.stats["overlap"] < 1e-3 * EDGE
     assert np.linalg.norm(places[-1][1] - places[-1][0]) > EDGE
     assert np.abs(np.diff(places, axis=0)).max() <= 2 * EDGE * 0.004
     assert np.abs(bodies.velocity).max() < 1e-9

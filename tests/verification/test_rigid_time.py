@@ -96,8 +96,8 @@ def test_what_is_turned_on_a_turntable_is_held_in_few_sweeps(size):
         bodies.kick(np.zeros((2, 3)), np.array([[0, inertia * by, 0], [0, 0, 0]]))
 
     def nudge(_: float) -> None:
-        sweeps.append(bodies.told["contact_iterations"])
-        assert bodies.told["contacts_capped"] == 0
+        sweeps.append(bodies.stats["contact_iterations"])
+        assert bodies.stats["contacts_capped"] == 0
         assert bodies.spin[0, 1] == pytest.approx(2, abs=1e-7)
         turn_on(0.01)
 

@@ -237,7 +237,7 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     """Lists of neighbours reach further, so that they serve for several steps: the forces are the same."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.forces.surface_tension import ARRAYS, SurfaceTension
+    from sim.fluid.forces.surface_tension import SurfaceTension
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
 
@@ -247,7 +247,7 @@ def test_pairs_beyond_the_support_do_not_count(taichi):
     found = []
     for skin in (0.0, 0.3):
         boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
-        system = FluidSystem(spec, np.zeros(3), boundary, ARRAYS, skin)
+        system = FluidSystem(spec, np.zeros(3), boundary, SurfaceTension.ARRAYS, skin)
         load(system, points[:, :3], density=RHO)
         system.find_neighbors()
         SurfaceTension(system).accelerate()

@@ -21,7 +21,7 @@ from scene.settings import canonical_json
 from sim.bodies.wall import Wall
 from sim.foam.spec import FoamJobSpec
 from sim.spec import SimulationSpec
-from workflow.plan import sources
+from workflow.plan import additions, sources
 from workflow.plan.timeline import Frames, Timeline
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.surface.spec import ReconstructSpec
@@ -83,10 +83,12 @@ class Plan:
 
     @property
     def has_surface(self) -> bool:
+        """Whether there is fluid, whose surface is reconstructed."""
         return self.scene.simulation.fluid is not None
 
     @property
     def has_foam(self) -> bool:
+        """Whether the scene asks for foam."""
         return self.scene.foam is not None
 
     def job(self, stage: str, index: int = 0) -> Job:
@@ -106,6 +108,7 @@ class Plan:
         return {**segments, "render": self.timeline.blocks, "film": 1}[stage]
 
     def jobs(self, stage: str) -> list[Job]:
+        """All jobs of a stage, in the order of their parts."""
         return [self.job(stage, index) for index in range(self.parts(stage))]
 
     def whole_simulation(self) -> Job:
@@ -222,7 +225,8 @@ class Plan:
         key = (ENTRY[stage], materials)
         if key not in self._digests:
             self._digests[key] = sources.digest(ENTRY[stage], self.root, materials)
-        return f"code {self._digests[key][:32]}"
+        beside = additions.digest(stage)
+        return f"code {self._digests[key][:32]}{beside and f' and {beside[:32]}'}"
 
 
 def _render_spec(scene: Scene) -> str:

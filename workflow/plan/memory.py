@@ -71,7 +71,7 @@ def _rate(emitter: Emitter) -> float:
 
 
 def _volume(shape: Any) -> float:
-    """[m^3]; of a mesh, half the cube around it."""
+    """[m^3]; of a mesh, and of what a package adds, half the cube around it."""
     match shape.type:
         case "box":
             return math.prod(shape.size)
@@ -83,4 +83,4 @@ def _volume(shape: Any) -> float:
             return math.pi * shape.radius**2 * (shape.height + 4 / 3 * shape.radius)
         case "torus":
             return 2 * math.pi**2 * shape.radius * shape.tube_radius**2
-    return 0.5 * (shape.size or UNKNOWN_SIZE) ** 3
+    return 0.5 * (getattr(shape, "size", None) or UNKNOWN_SIZE) ** 3

@@ -69,10 +69,12 @@ class Timeline:
 
     @property
     def segments(self) -> int:
+        """How many segments of simulation there are, at least 1."""
         return max(1, math.ceil(self.last_frame / segment_length(self.fps)))
 
     @property
     def blocks(self) -> int:
+        """How many blocks of pictures there are, at least 1."""
         return max(1, math.ceil(self.last_frame / self._block_length))
 
     def segment(self, index: int) -> Frames:

@@ -49,6 +49,7 @@ class StudyPlan:
         return replace(self._of_all_repeats(name), folder=folder)
 
     def trials(self) -> list[Job]:
+        """The jobs of all trials, each as often as it is repeated."""
         return [self.trial(name, k) for name, trial in self._trials.items() for k in range(self._repeats(trial))]
 
     def inputs(self, name: str) -> dict[str, str]:

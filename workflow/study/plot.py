@@ -16,7 +16,7 @@ from workflow.study.points import Point, front
 from workflow.study.spec import Study
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#5a4636", "#999999")
-"""Of Okabe & Ito (2008): told apart by the colour-blind, too."""
+"""Of Okabe & Ito 2008: told apart by the colour-blind, too."""
 SHAPES = ("o", "s", "^", "D", "v", "P", "X", "*")
 FAILED = "#d00000"
 FEW_POWERS = 2.0

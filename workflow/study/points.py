@@ -48,20 +48,24 @@ class Point:
 
     @property
     def cost(self) -> float | None:
+        """Median of `costs`; None where there are none."""
         costs = self.costs
         return statistics.median(costs) if costs else None
 
     @property
     def costs(self) -> list[float]:
+        """Of the repeats that have one."""
         return [outcome.cost for outcome in self.outcomes if outcome.cost is not None]
 
     @property
     def error(self) -> float | None:
+        """Median of `errors`; None where there are none, or a repeat was not done."""
         errors = self.errors
         return statistics.median(errors) if errors and self.status == "done" else None
 
     @property
     def errors(self) -> list[float]:
+        """Of the repeats that have one."""
         return [outcome.error for outcome in self.outcomes if outcome.error is not None]
 
 

@@ -1,4 +1,4 @@
-"""Forces of contacts, as implicit Euler looks for them: an augmented Lagrangian (Alart and Curnier 1991).
+"""Forces of contacts, as implicit Euler looks for them: an augmented Lagrangian (Alart & Curnier 1991).
 
 A contact presses with max(0, press - k gap), and grips with grip - k slip, where press and grip are its forces in the
 step before; the grip is cut to the coefficient of friction times the press. So what rests, rests without a gap below

@@ -67,13 +67,16 @@ class Known:
 
     @classmethod
     def none(cls) -> Known:
+        """Where nothing touches."""
         shapes = (0,), (0, 4), (0, 3), (0,), (0,), (0, 3)
         return cls(np.zeros((0, 5), np.int32), *map(np.zeros, shapes))
 
     def take(self, rows: np.ndarray) -> Known:
+        """Those of the given rows, in their order."""
         return Known(*(values[rows] for values in vars(self).values()))
 
     def joined(self, other: Known) -> Known:
+        """With those of another, in the order of their keys."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         whole = Known(*(np.concatenate(pair) for pair in pairs))
         return whole.take(np.lexsort(whole.key.T[::-1]))
@@ -432,6 +435,7 @@ class Collisions:
 
     @property
     def bytes(self) -> int:
+        """Memory of the tables of contacts and bodies, and of all trees [bytes]."""
         return 4 * self._room * 8 * 8 + self.loose.bytes + sum(tree.bytes for tree in (*self._own, *self._solid))
 
 

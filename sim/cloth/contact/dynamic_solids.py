@@ -32,9 +32,11 @@ class Meetings:
 
     @classmethod
     def none(cls) -> Meetings:
+        """Where no body touches anything."""
         return cls(np.zeros((0, 2), int), *(np.zeros((0, *shape)) for shape in ((2, 3), (3,), (), (2,), (3,), (3,))))
 
     def take(self, rows: np.ndarray) -> Meetings:
+        """Those of the given rows, in their order."""
         return Meetings(*(values[rows] for values in vars(self).values()))
 
 
@@ -190,6 +192,7 @@ class LooseBodies:
 
     @property
     def bytes(self) -> int:
+        """Memory of the two rows of each body [bytes]."""
         return 8 * self.count * 2 * (9 + 9 + 1)
 
 

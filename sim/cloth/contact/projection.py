@@ -2,7 +2,7 @@
 
 Points go to the nearest places, in the metric of their masses, at which no contact is below its limit. Forces that take
 them there are looked for by Jacobi's method, each projected to a push and to Coulomb's cone; every mass is shared among
-its contacts, or that would not converge (Tonge, Benevolenski and Voroshilov 2012). It begins with the forces of the
+its contacts, or that would not converge (Tonge et al. 2012). It begins with the forces of the
 small step before.
 """
 
@@ -311,6 +311,8 @@ def sweep(
     pace: Pace,
     w: Way,
 ):
+    """One round of Jacobi's method in a small step: contacts change their forces, then points and bodies move by the
+    changes."""
     for c in range(touches):
         share, _earlier = _shares(number, left)
         _take_part(c, points, share, led(c, 0, touch, loose.loose_way), p, touch, w)
@@ -341,6 +343,8 @@ def end(
     pace: Pace,
     w: Way,
 ):
+    """Velocities over a small step dt [s] of points that have contacts and of bodies, and the step's mean forces of
+    contacts."""
     for i in range(points):
         _end(i, dt, p, touch, w)
     for row in range(rows):
@@ -385,6 +389,7 @@ def shift(points: ti.i32, displacement: Vectors, p: Points):
 
 @ti.kernel
 def put_back(total: ti.i32, p: Points, speed: Vectors, w: Way):
+    """Take points, those of solids too, back to where they were before the step, and to their `speed` then [m/s]."""
     for i in range(total):
         p.position[i] = w.start[i]
         p.velocity[i] = speed[i]
@@ -392,6 +397,7 @@ def put_back(total: ti.i32, p: Points, speed: Vectors, w: Way):
 
 @ti.kernel
 def carry_solids(points: ti.i32, total: ti.i32, dt: ti.f64, p: Points, w: Way):
+    """Put the points of solids, behind the cloth's, at their aims, with the velocities of that way over dt [s]."""
     for i in range(points, total):
         p.velocity[i] = (w.aims[i] - w.start[i]) / dt
         p.position[i] = w.aims[i]

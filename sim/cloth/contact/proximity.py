@@ -20,7 +20,7 @@ def _share(part: ti.f64, whole: ti.f64) -> ti.f64:
 
 @ti.func
 def point_triangle(x: vec3, a: vec3, b: vec3, c: vec3) -> Nearest:
-    """Ericson 2005, section 5.1.5."""
+    """Ericson 2005, sec. 5.1.5."""
     ab, ac, ax = b - a, c - a, x - a
     d1, d2 = ab.dot(ax), ac.dot(ax)
     bx, cx = x - b, x - c
@@ -51,7 +51,7 @@ def point_triangle(x: vec3, a: vec3, b: vec3, c: vec3) -> Nearest:
 
 @ti.func
 def edge_edge(a: vec3, b: vec3, c: vec3, d: vec3) -> Nearest:
-    """Ericson 2005, section 5.1.9."""
+    """Ericson 2005, sec. 5.1.9."""
     u, v, r = b - a, d - c, a - c
     uu, vv, uv, ur, vr = u.dot(u), v.dot(v), u.dot(v), u.dot(r), v.dot(r)
     s = ti.cast(0.0, ti.f64)

@@ -38,6 +38,7 @@ class Solids:
 
     @classmethod
     def none(cls) -> Solids:
+        """Where nothing is solid."""
         none = np.zeros(0)
         return cls(
             np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), int), none, none, np.zeros(0, int), [], [], [], [], []

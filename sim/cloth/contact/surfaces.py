@@ -25,6 +25,7 @@ class Surface:
 
     @classmethod
     def of(cls, triangles: np.ndarray) -> Surface:
+        """All points, triangles, shape [n, 3], and edges, once each."""
         edges = np.unique(np.sort(edges_of(triangles), axis=1), axis=0)
         return cls(np.unique(triangles), triangles, edges.reshape(-1, 2))
 
@@ -53,4 +54,5 @@ class Tree:
 
     @property
     def bytes(self) -> int:
+        """Memory of the boxes and of the primitives' points [bytes]."""
         return 2 * 2 * self.leaves * 24 + 4 * self.corners * self.number

@@ -14,10 +14,12 @@ def integers(values: np.ndarray) -> ti.Ndarray:
 
 
 def numbers(values: np.ndarray) -> ti.Ndarray:
+    """On the device in double precision, with room for one at least."""
     return filled(ti.ndarray(ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
 def vectors(values: np.ndarray) -> ti.Ndarray:
+    """On the device in double precision, with room for one at least; `values` of shape [n, 3]."""
     return filled(ti.Vector.ndarray(3, ti.f64, max(len(values), 1)), np.asarray(values, np.float64))
 
 
@@ -55,6 +57,7 @@ def point_arrays(position: np.ndarray, velocity: np.ndarray, mass: np.ndarray, h
 def strand_arrays(
     springs: np.ndarray, rest: np.ndarray, stiffness: np.ndarray, damping: np.ndarray, count: int
 ) -> Strands:
+    """springs: both ends, shape [n, 2]; lengths at rest [m], stiffness [N/m], damping [N s/m]; count: of points."""
     first, entry = incidence(springs, count)
     return Strands(
         ends=integers(springs.ravel()),
@@ -67,6 +70,7 @@ def strand_arrays(
 
 
 def angle_arrays(hinges: np.ndarray, rest: np.ndarray, rigidity: np.ndarray, damping: np.ndarray, count: int) -> Angles:
+    """hinges: four points, shape [n, 4]; angles at rest [rad], rigidity [N m], damping [N m s]; count: of points."""
     first, entry = incidence(hinges, count)
     return Angles(
         corners=integers(hinges.ravel()),
@@ -79,6 +83,7 @@ def angle_arrays(hinges: np.ndarray, rest: np.ndarray, rigidity: np.ndarray, dam
 
 
 def matrices(count: int) -> ti.Ndarray:
+    """Zeros of shape [3, 3] each, on the device in double precision, with room for one at least."""
     array = ti.Matrix.ndarray(3, 3, ti.f64, max(count, 1))
     array.fill(0.0)
     return array

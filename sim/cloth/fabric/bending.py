@@ -15,7 +15,7 @@ Hinge: Any = ti.types.struct(angle=ti.f64, p=vec3, q=vec3, r=vec3, s=vec3)
 
 @ti.func
 def fold(p: vec3, q: vec3, r: vec3, s: vec3) -> Hinge:
-    """Of the triangles p, q, r and p, q, s (Bridson, Marino and Fedkiw 2003, section 4)."""
+    """Of the triangles p, q, r and p, q, s (Bridson et al. 2003, sec. 4)."""
     edge = q - p
     length = edge.norm()
     one, other = (r - p).cross(r - q), (s - q).cross(s - p)

@@ -28,6 +28,7 @@ class ClothMeasure:
 
     @property
     def finite(self) -> bool:
+        """Whether all energies and the greatest speed are finite."""
         return math.isfinite(self.kinetic_energy + self.potential_energy + self.elastic_energy + self.v_max)
 
 
@@ -40,6 +41,7 @@ class Meter:
         self._rows = ti.Vector.ndarray(5, ti.f64, ROWS)
 
     def read(self) -> ClothMeasure:
+        """Measure the cloth as it is now."""
         mesh = self.mesh
         found = energy_sums.measure(
             mesh.count,

@@ -14,7 +14,7 @@ Springs stand for what the threads do per width and length, so that the cloth is
   directions. (Hinges at the edges of triangles would be a sixth too soft: points with four and with eight edges
   give way in turns.)
 - Hinges of meshes: an edge of length l resists an angle by k = B l^2 / A, which is right for equal triangles (Seung
-  and Nelson 1988).
+  & Nelson 1988).
 """
 
 from __future__ import annotations

@@ -31,6 +31,7 @@ class Lead:
         return self.motion.fastest(float(np.linalg.norm(self.placed - self.motion.pivot, axis=1).max()))
 
     def shifted(self, start: int) -> Lead:
+        """The same points in a mesh that numbers the sheet's from `start` on."""
         return replace(self, points=self.points + start)
 
 

@@ -21,8 +21,8 @@ def line(one: vec3, other: vec3):
 
 @ti.func
 def block(stiffness: ti.f64, tension: ti.f64, length: ti.f64):
-    """How the force changes along the spring and across it [N/m]: k along, tension / length across (Baraff and Witkin
-    1998), without what a spring under pressure takes away, so that it stays positive (Choi and Ko 2002)."""
+    """How the force changes along the spring and across it [N/m]: k along, tension / length across (Baraff & Witkin
+    1998), without what a spring under pressure takes away, so that it stays positive (Choi & Ko 2002)."""
     across = ti.cast(0.0, ti.f64)
     if length > SHORT:
         across = ti.max(tension, 0.0) / length

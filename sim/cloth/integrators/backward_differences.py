@@ -1,4 +1,4 @@
-"""The step before, for backward differences of second order (Curtiss, Hirschfelder 1952; for cloth: Choi, Ko 2002).
+"""The step before, for backward differences of second order (Curtiss & Hirschfelder 1952; for cloth: Choi & Ko 2002).
 
 With r the step over the one before, a = (1 + r)^2 / (1 + 2 r) and b = r^2 / (1 + 2 r), they ask that
 

@@ -1,7 +1,7 @@
 """Conjugate gradients for a step of Newton's method, in which contacts close, open, grip and slide as the laws say.
 
 What is minimised is quadratic but for contacts, whose energies are convex: the residual is that of the energy itself,
-the way along a course is where its slope ends, and courses follow Polak and Ribiere (Nocedal and Wright 2006, section
+the way along a course is where its slope ends, and courses follow Polak and Ribiere (Nocedal & Wright 2006, sec.
 5.2). Without contacts, or where contacts go on as they do, that is the linear method. Blocks of the diagonal are the
 preconditioner. Small cloths are solved by one thread in one launch: threads would wait for one another most of the
 time.

@@ -1,4 +1,4 @@
-"""Implicit Euler: stable at any stiffness and step (Baraff and Witkin 1998), by Newton's method.
+"""Implicit Euler: stable at any stiffness and step (Baraff & Witkin 1998), by Newton's method.
 
 It takes from an oscillation of angular frequency w the share 1 - (1 + w^2 dt^2)^(-1/2) a step, whatever the damping.
 Where nothing touches, now and in the step before, backward differences of second order
@@ -143,9 +143,9 @@ class ImplicitEuler:
         """Find how points give way to forces where they are foreseen."""
         self._newton.linearize(dt)
 
-    def give_way(self, load: ti.Ndarray) -> ti.Ndarray:
+    def respond(self, load: ti.Ndarray) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
-        return self._newton.give_way(load, GIVING_WAY)
+        return self._newton.respond(load, GIVING_WAY)
 
     def commit(self, dt: float) -> dict[str, float]:
         """Take the step to where it was foreseen; returns the STATISTICS."""
@@ -219,4 +219,5 @@ class ImplicitEuler:
 
     @property
     def bytes(self) -> int:
+        """Memory of Newton's method and of contacts [bytes]."""
         return self._newton.bytes + self.collisions.bytes

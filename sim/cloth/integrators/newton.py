@@ -124,7 +124,7 @@ class Newton:
         self._balance(dt)
         newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
 
-    def give_way(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
+    def respond(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
         """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
         first = newton_sums.ask(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
         self._solve(first * error**2, 0.0, linear=True)
@@ -238,6 +238,7 @@ class Newton:
 
     @property
     def bytes(self) -> int:
+        """Memory of its vectors, of what springs and hinges add, and of its matrix [bytes]."""
         n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
         own = n * (3 * 11 + 9 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + self._pattern.pairs * 18
         return 8 * own

@@ -148,4 +148,5 @@ class SmallSteps:
 
     @property
     def bytes(self) -> int:
+        """Memory of its own arrays and of contacts [bytes]."""
         return 8 * (9 * self.mesh.total + 4 * self.mesh.count) + self.collisions.bytes

@@ -1,4 +1,4 @@
-"""Extended position-based dynamics in small steps (Macklin, Mueller and Chentanez 2016; Macklin et al. 2019).
+"""Extended position-based dynamics in small steps (Macklin et al. 2016, 2019).
 
 Springs and hinges are constraints with the compliance 1 / k: their multipliers begin at zero in each substep, or
 stiffness would depend on the number of sweeps. Constraints without a common point have one colour and are solved side

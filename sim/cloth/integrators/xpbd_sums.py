@@ -17,7 +17,7 @@ Guess: Any = ti.types.argpack(pulled=Numbers, bent=Numbers)
 
 @ti.func
 def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64, had: ti.f64, ease: ti.f64):
-    """Of a multiplier: equation 26 of Macklin et al. 2016, times the stiffness."""
+    """Of a multiplier: Macklin et al. 2016, eq. 26, times the stiffness."""
     soft = 1.0 / (dt * dt)
     slow = damp / dt
     return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * ease + soft)
@@ -55,6 +55,7 @@ def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g
     since = along.dot((p.position[one] - w.before[one]) - (p.position[other] - w.before[other]))
     change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], g.pulled[k], a + b)
     g.pulled[k] += change
+    # Macklin et al. 2016, eq. 17
     p.position[one] += a * change * along
     p.position[other] -= b * change * along
 
@@ -71,6 +72,7 @@ def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g:
     over = turned(hinge.angle, a.rest_angle[k])
     change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], ease)
     g.bent[k] += change
+    # Macklin et al. 2016, eq. 17
     p.position[i] += wi * change * hinge.p
     p.position[j] += wj * change * hinge.q
     p.position[m] += wm * change * hinge.r
@@ -133,6 +135,8 @@ def predict(
     g: Guess,
     w: Way,
 ):
+    """Take points to where they would go without springs, held ones on towards their aims, and begin with multipliers
+    of zero."""
     for i in range(points):
         _foresee(airy, i, dt, left, gravity, wind, p, d, w)
     for k in range(springs):
@@ -143,17 +147,20 @@ def predict(
 
 @ti.kernel
 def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess, w: Way):
+    """Solve the springs of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
         _project_spring(k, dt, p, s, g, w)
 
 
 @ti.kernel
 def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess, w: Way):
+    """Solve the hinges of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
         _project_hinge(k, dt, p, a, g, w)
 
 
 @ti.kernel
 def finish(points: ti.i32, dt: ti.f64, p: Points, w: Way):
+    """Velocities [m/s] are the ways of a substep over its dt [s]."""
     for i in range(points):
         p.velocity[i] = (p.position[i] - w.before[i]) / dt

@@ -1,4 +1,4 @@
-"""Along which contours surfaces cross, and which of their sides has to go back (Baraff, Witkin and Kass 2003).
+"""Along which contours surfaces cross, and which of their sides has to go back (Baraff et al. 2003).
 
 A contour joins the crossings that share two crossing triangles, and has an image on each of the two surfaces. Where an
 image cuts a piece off its surface, the smaller such piece is on the wrong side of the other surface.
@@ -182,7 +182,7 @@ def patch(topology: Topology, crossings: Crossings, piece: Piece) -> np.ndarray:
 def shortening(topology: Topology, crossings: Crossings, contour: Contour, places: np.ndarray) -> np.ndarray:
     """How edges should move against the triangles that they cross for the contour to become shorter, shape [n, 3].
 
-    The gradient of the contour's length (Volino and Magnenat-Thalmann 2006): R - 2 (R.e / N.e) N, of the sum R of the
+    The gradient of the contour's length (Volino & Magnenat-Thalmann 2006): R - 2 (R.e / N.e) N, of the sum R of the
     directions in which the contour goes on in the triangles beside the edge, along e, and the normal N of the other.
     One direction for the whole contour, where its parts agree on one.
     """

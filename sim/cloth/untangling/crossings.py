@@ -34,10 +34,12 @@ class Crossings:
         return len(self.ends)
 
     def take(self, rows: np.ndarray) -> Crossings:
+        """Those of the given rows, in their order."""
         return Crossings(*(values[rows] for values in vars(self).values()))
 
     @classmethod
     def joined(cls, parts: list[Crossings]) -> Crossings:
+        """All of them one after the other; of no parts, none."""
         none = cls(np.zeros((0, 2), int), np.zeros(0, int), np.zeros(0), np.zeros((0, 3)), np.zeros(0, bool))
         return cls(*(np.concatenate(part) for part in zip(*(vars(p).values() for p in [none, *parts]), strict=True)))
 

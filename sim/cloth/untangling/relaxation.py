@@ -36,10 +36,12 @@ class Pushes:
 
     @classmethod
     def joined(cls, parts: list[Pushes]) -> Pushes:
+        """All of them one after the other; of no parts, none."""
         none = cls(np.zeros((0, 5), int), np.zeros((0, 5)), np.zeros((0, 3)))
         return cls(*(np.concatenate(part) for part in zip(*(vars(p).values() for p in [none, *parts]), strict=True)))
 
     def take(self, rows: np.ndarray) -> Pushes:
+        """Those of the given rows, in their order."""
         return Pushes(self.points[rows], self.weight[rows], self.wanted[rows])
 
     def held(self, free: np.ndarray) -> np.ndarray:

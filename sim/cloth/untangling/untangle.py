@@ -58,6 +58,7 @@ class Untangled:
     """By how much at most [m]."""
 
     def line(self) -> str:
+        """What the user is told: through what the sheet is placed, how often, and how far its points were moved."""
         moved = f"{self.points} of its points were moved by up to {self.furthest * 1000:.3g} mm"
         if not self.crossings:
             return f"the sheet '{self.sheet}' was in the way of another: {moved}"

@@ -3,7 +3,7 @@
 Each place on a sheet has two samples, one for the fluid on either side. It lies behind the sheet as seen from there, as
 deep as samples of solids do, so that fluid comes to rest on the sheet itself; and particles on the other side do not
 know of it. Its volume follows the area that it stands for. Forces on samples are spread over the corners of their
-triangle by barycentric weights, as positions are found from these (Akinci et al. 2013): no momentum is lost.
+triangle by barycentric weights, as positions are found from these (Akinci et al. 2013b): no momentum is lost.
 """
 
 from __future__ import annotations
@@ -139,6 +139,7 @@ class SheetReaction:
 
     @property
     def sheets(self) -> SheetSamples:
+        """The samples in the system's boundary."""
         return self.system.boundary.sheets
 
     def list(self) -> None:
@@ -235,4 +236,5 @@ class SheetReaction:
 
     @property
     def bytes(self) -> int:
+        """Memory of the lists of particles near samples, and of forces [bytes]."""
         return self.near.bytes + 2 * 24 * self._force.shape[0]

@@ -10,7 +10,7 @@ from sim.fluid.boundary.one_sided_samples import beyond
 from sim.fluid.forces.adhesion import adhesion
 from sim.fluid.forces.friction import sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial
-from sim.fluid.kernel import cubic_slope
+from sim.fluid.kernel import cubic_slope, slope_norm
 
 
 @ti.kernel
@@ -97,7 +97,7 @@ def push_back(
     them, by `sim.fluid.forces.momentum` and `sim.fluid.forces.adhesion`."""
     for s in range(count):
         inverse_h = 1.0 / h
-        slope_norm = 8.0 / ti.math.pi * inverse_h**5
+        slope_strength = slope_norm(inverse_h)
         softening = SOFTENING * h * h
         total = vec3d(0.0, 0.0, 0.0)
         b, moves = samples[s], sample_velocity[s].xyz
@@ -106,7 +106,7 @@ def push_back(
             x, v = position[i], velocity[i]
             d = x.xyz - b.xyz
             r2 = d.dot(d)
-            strength = rest_density * slope_norm * b.w
+            strength = rest_density * slope_strength * b.w
             gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
             a = vec3(0.0)
             if ti.static(has_pressure):
@@ -148,7 +148,7 @@ def press(
     """Forces of pressures on samples [N], which are in w, or where they are `found` already in x."""
     for s in range(count):
         inverse_h = 1.0 / h
-        strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
+        strength = rest_density * slope_norm(inverse_h)
         total = vec3d(0.0, 0.0, 0.0)
         b = samples[s]
         for k in range(near_size[s]):
@@ -214,7 +214,7 @@ def add_response(
     """In pressure_acceleration.w, by how much accelerations of samples lower the second derivative of densities
     [kg/(m^3 s^2)]."""
     inverse_h = 1.0 / h
-    strength = rest_density * 8.0 / ti.math.pi * inverse_h**5
+    strength = rest_density * slope_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz + ahead * velocity[i].xyz
         given = ti.cast(0.0, real)

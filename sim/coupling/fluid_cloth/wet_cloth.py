@@ -4,7 +4,7 @@ Pressures that are looked for move the cloth, too. With the forces J q of the pr
 gives way by A^-1 J q, where A is the matrix of Newton's method for the step (`sim.cloth.integrators.newton`), springs,
 contacts and all, and compresses the fluid by J^T A^-1 J q less. So the cloth is part of the system of equations of
 `sim.fluid.pressure.projection`, which stays symmetric: a cloth as light as a feather or as stiff as a board asks for no
-shorter step, where taking turns would throw the two back and forth (Causin, Gerbeau and Nobile 2005).
+shorter step, where taking turns would throw the two back and forth (Causin et al. 2005).
 
 Solvers that look for pressures ask three times. The cloth steps with the forces of the last step's pressures; those
 found act in place of them, by A; and the step is made with these, by Newton's method. Where pressures follow from
@@ -124,7 +124,7 @@ class WetCloth:
         self._sum(self._load, self._steady, last)
         self._integrator.predict(dt, self._load)
         self._integrator.linearize(dt)
-        self._expected.copy_from(self._integrator.add_response(last))
+        self._expected.copy_from(self._integrator.respond(last))
         clear(self._found)
         self._pose()
 
@@ -135,12 +135,12 @@ class WetCloth:
 
     def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         self.reaction.pressures(ahead, self._pressed, found=False)
-        displacement = self._integrator.add_response(self._pressed)
+        displacement = self._integrator.respond(self._pressed)
         self.reaction.add_response(ahead, displacement, self._dt**2, fresh=self._alone)
 
     def gather_pressures(self, ahead: float) -> None:
         self.reaction.pressures(ahead, self._pressed, found=True)
-        self._way.copy_from(self._integrator.add_response(self._pressed))
+        self._way.copy_from(self._integrator.respond(self._pressed))
 
     def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Implicit viscosity is refused beside cloth."""

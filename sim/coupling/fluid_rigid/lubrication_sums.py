@@ -4,7 +4,7 @@ import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.gaps import facing, wide
-from sim.fluid.kernel import cubic
+from sim.fluid.kernel import cubic, cubic_norm
 
 WET, FULL = 0.25, 0.5
 """Shares of the density, before a surface, from which on it counts as wet, and as covered with particles."""
@@ -80,7 +80,7 @@ def press(
     over the pressure there [m^2, m^3], for each element of a rim.
     """
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h**3
+    norm = cubic_norm(inverse_h)
     for e in range(ends[ends.shape[0] - 1]):
         wet, pressure = ti.cast(0.0, real), ti.cast(0.0, real)
         for k in range(beyond_size[e]):
@@ -149,7 +149,7 @@ def share_of(r: ti.i32, i: ti.i32, h: real, volume: real, position: Vec4Array, b
     """Of a particle in the pressure before an element of a rim, but for how wet it is there."""
     inverse_h = 1.0 / h
     weight = cubic((beyond[r].xyz - position[i].xyz).norm() * inverse_h)
-    return 8.0 / ti.math.pi * inverse_h**3 * volume * weight
+    return cubic_norm(inverse_h) * volume * weight
 
 
 @ti.kernel

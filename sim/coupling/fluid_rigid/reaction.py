@@ -156,7 +156,7 @@ class Reaction:
         lowers the second derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be
         `ahead` [s]."""
         self._sum(ahead, self.system.particles.position, found=False)
-        self._give_way(ahead)
+        self._add_response(ahead)
 
     def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As `response`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
@@ -164,7 +164,7 @@ class Reaction:
         self._sum(dt, self.system.particles.position, found=False)
         wrench, response = self._wrench.to_numpy(), self._answer.to_numpy()
         self._answer.from_numpy(response - expected)
-        self._give_way(dt)
+        self._add_response(dt)
         return wrench, response
 
     def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
@@ -175,7 +175,7 @@ class Reaction:
     def subtract_predicted(self, dt: float, response: np.ndarray) -> None:
         """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
         self._answer.from_numpy(response)
-        self._give_way(dt)
+        self._add_response(dt)
         reaction_sums.subtract_predicted(
             self.system.count, dt, self.system.particles.pressure_acceleration, self.system.particles.source
         )
@@ -201,7 +201,7 @@ class Reaction:
             self._answer,
         )
 
-    def _give_way(self, ahead: float) -> None:
+    def _add_response(self, ahead: float) -> None:
         system = self.system
         faces = system.boundary.faces
         reaction_sums.add_response(
@@ -224,4 +224,5 @@ class Reaction:
 
     @property
     def bytes(self) -> int:
+        """Memory of the order of entries, and of partial sums [bytes]."""
         return 4 * (self.order.shape[0] + self._tally.shape[0]) + 48 * self.partial.shape[0]

@@ -10,6 +10,7 @@ from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
 from sim.fluid.forces.friction import face_friction
 from sim.fluid.forces.pairwise import pair_pressures
+from sim.fluid.kernel import slope_norm
 from sim.fluid.sums import span
 
 MATERIALS = ("fluid",)
@@ -25,12 +26,14 @@ vec6d: Any = ti.types.vector(6, ti.f64)
 
 @ti.func
 def wrench_of(arm: vec3, force: vec3) -> vec6d:
+    """Of a `force` [N] at `arm` [m] from the centre of mass: the force, then its torque [N m]."""
     torque = arm.cross(force)
     return vec6d([force.x, force.y, force.z, torque.x, torque.y, torque.z])
 
 
 @ti.func
 def keep(table: DoubleTable, row: ti.i32, first: ti.template(), total: vec6d):
+    """Write a wrench to six columns of a row, from column `first` on."""
     for column in ti.static(range(6)):
         table[row, first + column] = total[column]
 
@@ -98,6 +101,8 @@ def sort(
     ends: IntArray,
     order: IntArray,
 ):
+    """Write the entries to `order` by body, each range from where `tally` has it begin; moves these to where they
+    end."""
     for r in range(RANGES):
         within = span(r, RANGES, count)
         for i in range(within[0], within[1]):
@@ -190,7 +195,7 @@ def hold(
     """The opposite of (B - 1) a, for the accelerations a by the pressures of pairs: those by what solids add are in
     their pulls, with B. Of several half-spaces each has what its own factors of B change, which is along it."""
     inverse_h = 1.0 / h
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     for k in range(partial.shape[0]):
         total = vec6d(0.0)
         centre = vector(inertia, k // PARTS, 0)

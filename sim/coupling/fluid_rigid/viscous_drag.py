@@ -29,7 +29,8 @@ class ViscousDrag:
         self.table = ti.ndarray(ti.f64, (self.reaction.count, COLUMNS))
 
     def begin(self, viscosity: float, sums: ti.Ndarray) -> None:
-        """Residuals and directions, where particles have their first guess as velocity, and search.w is the density."""
+        """Residuals and directions, where particles have their first guess as velocity, and viscous_search.w is the
+        density."""
         self._viscosity = viscosity
         table = self._weighed()
         self.table.from_numpy(table)
@@ -84,7 +85,7 @@ class ViscousDrag:
             system.spec.rest_density * self._viscosity,
             particles.position,
             particles.velocity,
-            particles.search,
+            particles.viscous_search,
             faces.particle,
             faces.solid,
             faces.face,

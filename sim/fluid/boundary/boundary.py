@@ -1,4 +1,4 @@
-"""What the fluid meets: solids, and sheets of cloth, which have samples on both sides (Akinci et al. 2013)."""
+"""What the fluid meets: solids, and sheets of cloth, which have samples on both sides (Akinci et al. 2013b)."""
 
 from __future__ import annotations
 
@@ -107,5 +107,6 @@ class Boundary:
 
     @property
     def bytes(self) -> int:
+        """Memory of the solids, of those near particles, and of the samples of sheets [bytes]."""
         sheets = self.sheets.bytes + 8 * np.dtype(numpy_real).itemsize * self.sampled if self.sheets else 0
         return self.shapes.bytes + self.faces.bytes + self.neighbors.bytes + sheets

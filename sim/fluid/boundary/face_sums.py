@@ -124,6 +124,9 @@ def find(
     particle: IntArray,
     near: Vec4Array,
 ):
+    """Write to `member` the solids that may come near each group, and the entries of each particle: where they begin
+    and how many there are, and of each its solid, its particle, and the half-space within `reach` [m], in the solid's
+    own frame."""
     for g in range(groups):
         low, high = _box(g, count, position)
         slot = first[g]
@@ -349,6 +352,8 @@ def prevent_penetration(
     solid: IntArray,
     near: Vec4Array,
 ) -> ti.i32:
+    """Take particles that came out on the other side of a solid back to `gap` [m] before the side that was `near`,
+    without the velocity into it; returns how many entries that concerned."""
     held = 0
     for i in range(count):
         for e in range(begin[i], begin[i] + size[i]):

@@ -195,5 +195,6 @@ class Faces:
 
     @property
     def bytes(self) -> int:
+        """Memory of what is known of points, groups and entries [bytes]."""
         number = np.dtype(numpy_real).itemsize
         return self._rows * (8 + 5 * number) + 4 * self._groups + self._entries * (8 + 4 // GROUP + 14 * number)

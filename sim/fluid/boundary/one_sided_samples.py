@@ -50,6 +50,7 @@ class OneSidedSamples(ABC):
 
     @property
     def bytes(self) -> int:
+        """Memory of the samples, their cells, and the lists of those near particles [bytes]."""
         return 12 * np.dtype(numpy_real).itemsize * self.count + self.grid.bytes + self.near.bytes
 
 

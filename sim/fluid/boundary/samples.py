@@ -3,7 +3,7 @@
 import taichi as ti
 
 from sim.device.arrays import IntTable, Vec4Array, real, vec3, vec4
-from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, slope_norm
 
 
 @ti.func
@@ -16,7 +16,7 @@ def sheet_share(
     inverse_h: real,
 ) -> vec4:
     """Density at x over the rest density in w, and its gradient [1/m]; the samples are those listed in `row`."""
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     share = ti.cast(0.0, real)
     gradient = vec3(0.0)
     for k in range(samples_near):
@@ -44,7 +44,7 @@ def approach(
         b = sample_index[row, k]
         d = x - samples[b].xyz
         rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
-    return 8.0 / ti.math.pi * inverse_h**5 * rate
+    return slope_norm(inverse_h) * rate
 
 
 @ti.kernel

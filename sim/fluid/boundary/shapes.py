@@ -157,5 +157,6 @@ class Shapes:
 
     @property
     def bytes(self) -> int:
+        """Memory of the tables of solids, and of the distances around meshes [bytes]."""
         numbers = self.nodes.shape[0] * 5 * np.dtype(numpy_real).itemsize + 4 * self.table.shape[0]
         return numbers + 8 * (POSE + 6 + 4 + 4) * self.count

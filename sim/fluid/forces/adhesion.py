@@ -1,4 +1,4 @@
-"""Adhesion of the fluid to solids (Akinci, Akinci & Teschner 2013).
+"""Adhesion of the fluid to solids (Akinci et al. 2013a).
 
 a_i = -beta sum_b V_b A(r) x_ib / r,    A(r) = (-4 r^2 / h^2 + 6 r / h - 2)^(1/4) from h/2 to h             eq. 6, 7
 V_b the volume of a boundary sample; a solid is a half-space full of them, at distance y from whose surface
@@ -7,11 +7,14 @@ beta follows from the work per area that it takes to part fluid of density rho0 
 W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = sigma (1 + cos theta) (Young, Dupre).
 """
 
+from typing import ClassVar
+
 import numpy as np
 import taichi as ti
 
 from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
+from sim.fluid.forces.force import Force
 from sim.fluid.system import FluidSystem
 
 _Q = 0.5 + (np.arange(4000) + 0.5) / 8000
@@ -41,15 +44,20 @@ def _fit() -> tuple[tuple[float, float], tuple[float, ...]]:
 NEAR, FAR = _fit()
 
 
-class Adhesion:
+class Adhesion(Force):
     """The force on the particles of a system; `samples` and `solids` are beta [m/s^2 over m^3] against either."""
 
+    BY_SOLIDS: ClassVar[bool] = True
+
     def __init__(self, system: FluidSystem):
-        self.system = system
+        super().__init__(system)
         self.samples, self.solids = adhesion_strengths(system)
 
+    @classmethod
+    def applies(cls, system: FluidSystem) -> bool:
+        return system.boundary.sampled > 0 or system.boundary.shapes.count > 0
+
     def accelerate(self) -> None:
-        """Add to the accelerations; positions and neighbours are given."""
         system = self.system
         boundary = system.boundary
         _accelerate(
@@ -87,7 +95,7 @@ def adhesion_strengths(system: FluidSystem) -> tuple[float, float]:
 
 @ti.func
 def adhesion(q: real) -> real:
-    """A at the distance q h."""
+    """A at the distance q h (Akinci et al. 2013a, eq. 7)."""
     return ti.sqrt(ti.sqrt(ti.max(2.0 * (2.0 * q - 1.0) * (1.0 - q), 0.0)))
 
 

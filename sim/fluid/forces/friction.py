@@ -1,7 +1,7 @@
 """Friction of the fluid along solids that it sticks to (no slip).
 
 A plane wall continues the fluid with the velocity that vanishes on its surface, at distance y' beyond it -(y'/y) v
-for a particle at distance y with velocity v (Morris, Fox & Zhu 1997, sec. 3.5). The sum over pairs of
+for a particle at distance y with velocity v (Morris et al. 1997, sec. 3.5). The sum over pairs of
 `sim.fluid.forces.pairwise` becomes an integral over the half-space, which depends on y alone:
     a = nu [T(y) v_t + N(y) v_n],   for the velocity v_t along and v_n towards the wall, with
     T = HOLD k pi / (4 y) int_y^h W'(r) (r^2 - y^2)^2 / (r^2 + 0.01 h^2) dr,

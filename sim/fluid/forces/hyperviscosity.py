@@ -14,7 +14,7 @@ import numpy as np
 import taichi as ti
 
 from sim.device.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3
-from sim.fluid.kernel import cubic
+from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
 
@@ -32,6 +32,7 @@ class Hyperviscosity:
         self.rate = rate * math.sqrt(float(np.linalg.norm(system.gravity)) / system.spec.spacing)
 
     def apply(self, dt: float) -> None:
+        """Damp velocities over a step dt [s]; positions and neighbours are given."""
         if self.rate == 0.0:
             return
         system, particles = self.system, self.system.particles
@@ -61,7 +62,7 @@ def _damp(
     index: IntTable,
 ):
     inverse_h = 1.0 / h
-    norm = volume * 8.0 / ti.math.pi * inverse_h**3
+    norm = volume * cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i].xyz
         first, second, slope, difference = vec3(0.0), mat3(0.0), mat3(0.0), vec3(0.0)

@@ -1,4 +1,4 @@
-"""Implicit viscosity (Weiler, Koschier, Brand & Bender 2018): for fluids so thick that explicit steps would be tiny.
+"""Implicit viscosity (Weiler et al. 2018): for fluids so thick that explicit steps would be tiny.
 
 The velocities after the step dt are those that the friction of the step itself slows:
     v - dt K v = v*,    K v the sum over pairs of `sim.fluid.forces.pairwise.viscous` and the friction of
@@ -34,7 +34,7 @@ from sim.fluid.forces.friction import (
     find_grip,
 )
 from sim.fluid.forces.pairwise import SOFTENING, viscous
-from sim.fluid.kernel import cubic_slope
+from sim.fluid.kernel import cubic_norm, cubic_slope, slope_norm
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem, ViscousDrag
 from sim.neighbors.spatial_hash import padded
@@ -47,7 +47,7 @@ CHECK = 4
 
 ARRAYS = (
     Declared("slowing", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
-    Declared("search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
+    Declared("viscous_search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
     Declared("residual", "vec4", "v* - (1 - dt K) v [m/s]", sorted=False, saved=False),
     Declared("image", "vec4", "(1 - dt K) times the direction of the search [m/s]", sorted=False, saved=False),
     Declared("inverse", "vec4", "diagonal of the inverse of a block of 1 - dt K; w: its xy", sorted=False, saved=False),
@@ -117,7 +117,7 @@ class Viscosity:
             particles.position,
             particles.velocity,
             particles.slowing,
-            particles.search,
+            particles.viscous_search,
             particles.residual,
             particles.inverse,
             particles.inverse_off,
@@ -145,7 +145,7 @@ class Viscosity:
             particles.position,
             particles.velocity,
             particles.slowing,
-            particles.search,
+            particles.viscous_search,
             particles.residual,
             particles.image,
             particles.inverse,
@@ -205,8 +205,8 @@ def _begin(
     step [m^2]. The sums are r.z, a factor of the iteration, and the squares of r, of v - v* and of v*.
     """
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h**3
-    slope_norm = norm * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
+    slope_strength = norm * inverse_h * inverse_h
     softening = SOFTENING * h * h
     for i in range(count):
         guess = velocity[i].xyz
@@ -221,7 +221,7 @@ def _begin(
             vj = search[index[i, k]]
             d = x - position[index[i, k]].xyz
             r2 = d.dot(d)
-            strength = mass * slope_norm * viscous(2.0, viscosity) / (v.w + vj.w)
+            strength = mass * slope_strength * viscous(2.0, viscosity) / (v.w + vj.w)
             strength *= cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening)
             block -= strength * d.outer_product(d)
             pull += strength * (v.xyz - vj.xyz).dot(d) * d
@@ -297,7 +297,7 @@ def _iterate(
     Where bodies have a part in it, those before and after the images of their searches are two calls.
     """
     inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    slope_strength = slope_norm(inverse_h)
     softening = SOFTENING * h * h
     if ti.static(part != DESCEND):
         for i in range(count):
@@ -310,7 +310,7 @@ def _iterate(
                 r2 = d.dot(d)
                 strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p.w + pj.w)
                 pull += strength * cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening) * d
-            pull *= mass * slope_norm
+            pull *= mass * slope_strength
             if ti.static(has_grip):
                 heavy = rest_density / p.w
                 for e in range(begin[i], begin[i] + solids_near[i]):

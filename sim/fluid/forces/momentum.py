@@ -15,7 +15,7 @@ from sim.fluid.boundary.look import surface_velocity
 from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
-from sim.fluid.kernel import cubic, cubic_slope
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import padded
@@ -26,7 +26,7 @@ class Momentum:
 
     pressure: whether pressures are known from the positions. artificial, damping: artificial viscosity between
     particles and against solids, alpha c h / 2 [m^2/s]. friction_known: the viscous forces between particles are in
-    push, where the solver has found them beside densities.
+    pressure_acceleration, where the solver has found them beside densities.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Momentum:
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        self.adhesion = next((force for force in self._added if hasattr(force, "samples")), None)
+        self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
         """`sim.fluid.forces.adhesion`, where there is any."""
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
@@ -90,7 +90,7 @@ class Momentum:
             boundary.shapes.pose,
             self.pressure,
             self.friction_known,
-            particles.push if self.friction_known else particles.acceleration,
+            particles.pressure_acceleration if self.friction_known else particles.acceleration,
             self.viscosity > 0 and not self.friction_known,
             self.viscosity,
             self.grip.walls > 0,
@@ -151,7 +151,7 @@ def _accelerate(
     cohesion: real,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
     softening = SOFTENING * h * h
     closest = spacing * inverse_h
@@ -167,7 +167,7 @@ def _accelerate(
                 q = ti.sqrt(r2) * inverse_h
                 slope = cubic_slope(q)
                 if ti.static(has_pressure):
-                    push -= (x.w + xj.w) * slope * d
+                    push -= (x.w + xj.w) * slope * d  # Monaghan 1992, eq. 3.3
                 if ti.static(has_viscosity or has_artificial):
                     vj = velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
@@ -192,7 +192,7 @@ def _accelerate(
                 strength = rest_density * slope_norm * b.w
                 gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
                 if ti.static(has_pressure):
-                    push -= x.w * gradient
+                    push -= x.w * gradient  # Akinci et al. 2012, eq. 9
                 if ti.static(has_damping):
                     a += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
                 if ti.static(has_grip):

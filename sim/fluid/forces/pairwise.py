@@ -31,7 +31,7 @@ def pressure_sum(i: ti.i32, position: Vec4Array, size: IntArray, index: IntTable
     for k in range(padded(size[i])):
         xj = position[index[i, k]]
         d = x.xyz - xj.xyz
-        a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d
+        a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d  # Monaghan 1992, eq. 3.3
     return a
 
 
@@ -75,7 +75,7 @@ def viscous(approach: real, nu: real) -> real:
     """Friction of a pair, over (x^2 + 0.01 h^2): 2 (dim + 2) nu (v.x), to multiply the volume and the gradient of the
     neighbour.
 
-    The Laplacian of Brookshaw (1985) in the form of Monaghan (2005) that conserves momentum;
+    The Laplacian of Brookshaw 1985 in the form of Monaghan 2005 that conserves momentum;
     approach = v_ij . x_ij [m^2/s].
     """
     return VISCOUS * nu * approach
@@ -83,13 +83,13 @@ def viscous(approach: real, nu: real) -> real:
 
 @ti.func
 def artificial(approach: real, strength: real) -> real:
-    """The same for Monaghan (1992), eq. 4.1 without its quadratic term: only pairs that approach each other are
+    """The same for Monaghan 1992, eq. 4.1 without its quadratic term: only pairs that approach each other are
     slowed; strength = alpha c h / 2 [m^2/s]."""
     return strength * ti.min(approach, 0.0)
 
 
 def cohesion_coefficient(surface_tension: float, spacing: float, h: float, mass: float, rest_density: float) -> float:
-    """kappa [m^3/s^2] of Becker & Teschner (2007) that gives a surface tension in N/m.
+    """kappa [m^3/s^2] of Becker & Teschner 2007 that gives a surface tension in N/m.
 
     The pair force f(r) = kappa m r W(max(r, d)) has the surface tension
     gamma = pi/8 n^2 * integral of r^4 f(r) dr over the support, n = rho / m

@@ -1,42 +1,50 @@
-"""Forces in files of their own, each a pass after the others; only those that a scene asks for are imported."""
+"""Forces in files of their own, each a pass after the others; only those that act in a scene are imported."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
+from common.registry import added, load
 from sim.device.arrays import Declared
+from sim.fluid.forces.force import Force
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem
 
 
-class Force(Protocol):
-    """Adds to the accelerations of all particles; positions, velocities, densities and neighbours are given."""
+@dataclass(frozen=True)
+class Registered:
+    where: str
+    """`module:class`."""
+    acts: Callable[[Fluid], bool]
+    """Whether the settings ask for it."""
 
-    def accelerate(self) -> None: ...
+
+FORCES = (
+    Registered(
+        "sim.fluid.forces.surface_tension:SurfaceTension",
+        lambda fluid: fluid.surface_tension > 0 and fluid.surface_tension_model == "akinci2013",
+    ),
+    Registered("sim.fluid.forces.adhesion:Adhesion", lambda fluid: fluid.adhesion > 0),
+)
+"""In the order in which they are added."""
 
 
-def has_tension(fluid: Fluid) -> bool:
-    return fluid.surface_tension > 0 and fluid.surface_tension_model == "akinci2013"
+def acting(fluid: Fluid) -> Iterator[type[Force]]:
+    """The forces that the settings ask for; those of installed packages where `fluid.extra` has their settings."""
+    for force in FORCES:
+        if force.acts(fluid):
+            yield load(force.where)
+    for name, settings in added("forces").items():
+        if name in fluid.extra:
+            yield load(settings.IMPLEMENTATION)
 
 
 def force_arrays(fluid: Fluid) -> tuple[Declared, ...]:
     """The arrays of particles that these forces need."""
-    if not has_tension(fluid):
-        return ()
-    from sim.fluid.forces import surface_tension
-
-    return surface_tension.ARRAYS
+    return tuple(array for force in acting(fluid) for array in force.ARRAYS)
 
 
 def load_forces(system: FluidSystem) -> list[Force]:
-    """The forces that the settings of a system ask for."""
-    forces: list[Force] = []
-    if has_tension(system.spec):
-        from sim.fluid.forces.surface_tension import SurfaceTension
-
-        forces.append(SurfaceTension(system))
-    if system.spec.adhesion > 0 and (system.boundary.sampled > 0 or system.boundary.shapes.count > 0):
-        from sim.fluid.forces.adhesion import Adhesion
-
-        forces.append(Adhesion(system))
-    return forces
+    """The forces of a system."""
+    return [force(system) for force in acting(system.spec) if force.applies(system)]

@@ -1,4 +1,4 @@
-"""Surface tension by cohesion and a pull towards a smaller surface (Akinci, Akinci & Teschner 2013).
+"""Surface tension by cohesion and a pull towards a smaller surface (Akinci et al. 2013a).
 
 a_i = -gamma sum_j 2 rho0 / (rho_i + rho_j) [c m C(r) x_ij / r + n_i - n_j],    n_i = h sum_j m / rho_j grad W_ij
 C(r) = 32 / (pi h^9) { (h - r)^3 r^3 beyond h/2,  2 (h - r)^3 r^3 - h^6 / 64 up to there }            eq. 1 to 5
@@ -7,15 +7,16 @@ pressure along it fall. The proportion c of the two depends on the unit of mass 
 for all fluids and resolutions. Pair forces are equal and opposite.
 """
 
+from typing import ClassVar
+
 import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3, vec4
-from sim.fluid.kernel import cubic_slope
+from sim.fluid.forces.force import Force
+from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
-
-ARRAYS = (Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),)
 
 BALANCE = 25.0
 """c m / h^3. With 125, the paper's for water at h = 2 d in SI units, cohesion presses the particles together with many
@@ -37,16 +38,19 @@ def strength(surface_tension: float, spacing: float, h: float, rest_density: flo
     return surface_tension / (rest_density * h * h * share)
 
 
-class SurfaceTension:
+class SurfaceTension(Force):
     """The force on the particles of a system, whose arrays are those declared in ARRAYS."""
 
+    ARRAYS: ClassVar[tuple[Declared, ...]] = (
+        Declared("normal", "vec4", "normal n into the fluid, without unit", sorted=False, saved=False),
+    )
+
     def __init__(self, system: FluidSystem):
-        self.system = system
+        super().__init__(system)
         spec = system.spec
         self.strength = strength(spec.surface_tension, spec.spacing, system.h, spec.rest_density)
 
     def accelerate(self) -> None:
-        """Add to the accelerations; positions, densities and neighbours are given."""
         system = self.system
         particles = system.particles
         _accelerate(
@@ -66,7 +70,7 @@ class SurfaceTension:
 
 @ti.func
 def cohesion(q: real) -> real:
-    """C h^3 at q = r / h."""
+    """C h^3 at q = r / h (Akinci et al. 2013a, eq. 2)."""
     rest = ti.max(1.0 - q, 0.0)
     bell = rest * rest * rest * q * q * q
     return 32.0 / ti.math.pi * ti.select(q < 0.5, 2.0 * bell - 1.0 / 64.0, bell)
@@ -87,7 +91,7 @@ def _accelerate(
     index: IntTable,
 ):
     inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    slope_strength = slope_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz
         n = vec3(0.0)
@@ -95,7 +99,7 @@ def _accelerate(
             j = index[i, k]
             d = x - position[j].xyz
             n += cubic_slope(d.norm() * inverse_h) / velocity[j].w * d
-        normal[i] = vec4(h * mass * slope_norm * n, velocity[i].w)
+        normal[i] = vec4(h * mass * slope_strength * n, velocity[i].w)  # Akinci et al. 2013a, eq. 3
     for i in range(count):
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)

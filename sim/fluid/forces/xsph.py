@@ -7,7 +7,7 @@ m^2/s: it acts once a step, however long that is.
 import taichi as ti
 
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3
-from sim.fluid.kernel import cubic
+from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
 
@@ -21,6 +21,7 @@ class Xsph:
         self.system = system
 
     def apply(self) -> None:
+        """Mix velocities once; positions, densities and neighbours are given."""
         system = self.system
         _mix(
             system.count,
@@ -46,7 +47,7 @@ def _mix(
     index: IntTable,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h**3
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i]
         change = vec3(0.0)

@@ -49,6 +49,7 @@ class Outlet:
 
     @property
     def direction(self) -> np.ndarray:
+        """Unit vector along which particles leave, shape [3]."""
         return self.axes[1]
 
     @property

@@ -41,9 +41,11 @@ class Ledger:
         """Whether it was said that there are as many particles as the scene allows."""
 
     def of(self, name: str) -> Sent:
+        """What an emitter has to remember; one that is not known yet gets the next number."""
         return self.sent.setdefault(name, Sent(len(self.sent)))
 
     def state(self) -> dict[str, Any]:
+        """Plain data for a checkpoint."""
         return {"sent": {name: asdict(sent) for name, sent in self.sent.items()}, "full": self.full}
 
 

@@ -18,7 +18,7 @@ import taichi as ti
 from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces.pairwise import matrix, pair_pressures
-from sim.fluid.kernel import cubic_slope
+from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.pressure.incompressible import WORST
 from sim.fluid.sums import span
 from sim.fluid.system import FluidSystem
@@ -275,7 +275,7 @@ def _iterate(
     """One iteration; returns the mean error [kg/m^3] of the pressures it arrives at, and the worst."""
     inverse_h = 1.0 / h
     dt2 = dt * dt
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     # The last row has the conjugacy of directions and the share of the trial step.
     last = sums.shape[0] - 1
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)

@@ -30,7 +30,7 @@ from sim.fluid.boundary.gaps import felt_velocity, relieved
 from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.samples import approach, sheet_share
 from sim.fluid.forces.pairwise import matrix
-from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice
+from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice, slope_norm
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import fall_limit
 from sim.neighbors.spatial_hash import padded
@@ -169,7 +169,7 @@ def _compression_rates(
     excess: RealArray,
 ):
     inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    slope_strength = slope_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i]
         last = begin[i] + solids_near[i]
@@ -177,12 +177,12 @@ def _compression_rates(
         for k in range(padded(size[i])):
             d = x - position[index[i, k]].xyz
             sums -= cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
-        sums *= mass / rest_density * slope_norm
+        sums *= mass / rest_density * slope_strength
         if ti.static(has_samples):
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
-                sums -= slope_norm * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+                sums -= slope_strength * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
         filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
         for e in range(begin[i], last):
             n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
@@ -219,7 +219,7 @@ def _compression_rates(
             rate += one.dot(v.xyz)
             rate += approach(there, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
         solid[i].xyz = rest_density * gradient
-        strength = mass * slope_norm
+        strength = mass * slope_strength
         whole = strength * along + rest_density * gradient
         d_ii = whole.dot(whole) + strength * strength * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)

@@ -31,9 +31,10 @@ class Incompressible:
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""
     HOLDS_ALONG_ALL: ClassVar[bool] = False
-    """Whether bodies that obey forces hold fluid along their surfaces as others do, and feel it (`Bodies.hold`)."""
+    """Whether bodies that obey forces hold fluid along their surfaces as others do, and feel it
+    (`Bodies.hold_along_surfaces`)."""
     FINDS_FRICTION: ClassVar[bool] = False
-    """Whether `examine` leaves the viscous forces between particles in push."""
+    """Whether `examine` leaves the viscous forces between particles in pressure_acceleration."""
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
@@ -43,7 +44,7 @@ class Incompressible:
     @property
     def settings(self) -> Settings:
         """The solver's own settings."""
-        return getattr(self.system.spec, self.system.spec.solver)
+        return self.system.spec.solver_settings
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
         """Largest stable time steps [s]: the way of particles, pressure, gravity, and the other forces."""

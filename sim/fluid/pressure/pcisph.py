@@ -3,7 +3,8 @@
 Positions after the step are predicted, densities found there, and pressures raised by what these exceed the rest
 density, until that is little. With q = p / rho^2 and the gradient G of what solids add to the density,
     q += 0.5 (rho* - rho0) / (dt^2 (sum_j |m grad W_ij|^2 + |G|^2)),
-where the sum is that of a lattice (eq. 8): a particle with few neighbours would be raised too much.
+where the sum is that of a lattice (Solenthaler & Pajarola 2009, eq. 8): a particle with few neighbours would be raised
+too much.
 
 The density of solids is steep, and bends both ways. With G at the place that was predicted last, a particle that is
 pushed out of a solid loses the force that did it and falls back, further each time; and one that is deep inside, where
@@ -21,7 +22,7 @@ from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
-from sim.fluid.kernel import cubic, cubic_slope_host, lattice
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope_host, lattice, slope_norm
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
@@ -189,7 +190,7 @@ def _compress(
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x = predicted[i].xyz
         near = ti.cast(0.0, real)
@@ -247,7 +248,7 @@ def _raise(
     fit: vec4,
 ):
     inverse_h = 1.0 / h
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     for i in range(count):
         diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
         position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)

@@ -21,7 +21,7 @@ from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
-from sim.fluid.kernel import cubic, cubic_slope, cubic_slope_host, lattice
+from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, cubic_slope_host, lattice
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import itself, padded
 
@@ -66,7 +66,8 @@ class Projection:
         self.smallest_diagonal = SMALLEST_DIAGONAL * mass**2 * float((slope**2 * r**2).sum())
 
     def prepare(self, *, diagonal: bool = True) -> None:
-        """Densities, G, in push the friction of the present velocities, and D unless a solver has another `diagonal`.
+        """Densities, G, in pressure_acceleration the friction of the present velocities, and D unless a solver has
+        another `diagonal`.
 
         Friction is that of `sim.fluid.forces.momentum`, for pairs at rest density.
         """
@@ -138,7 +139,7 @@ def _prepare(
     solids: Vec4Array,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
     softening = SOFTENING * h * h
     for i in range(count):
@@ -194,7 +195,7 @@ def _predict(
     excess: RealArray,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i]
         near = ti.cast(0.0, real)

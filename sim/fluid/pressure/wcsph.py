@@ -12,7 +12,7 @@ from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import Mixing
-from sim.fluid.kernel import cubic
+from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.time_step_limits import force_limit, light_limit
 from sim.neighbors.spatial_hash import itself, padded
@@ -132,7 +132,7 @@ def _density(
     excess: RealArray,
 ):
     inverse_h = 1.0 / h
-    norm = 8.0 / ti.math.pi * inverse_h * inverse_h * inverse_h
+    norm = cubic_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz
         near = ti.cast(0.0, real)
@@ -149,6 +149,7 @@ def _density(
         density += rest_density * solids[i].w
         ratio = relieved(density, rest_density, excess[i]) / rest_density
         ratio2 = ratio * ratio
+        # Becker & Teschner 2007, eq. 7
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
         velocity[i].w = density
         position[i].w = pressure / (density * density)

@@ -3,7 +3,7 @@
 Where a lattice is cut by a surface its outermost particles are anywhere from 0 to 1 spacing off it. They are brought
 half a spacing off, and then all nearby are moved until the density rho_i = sum_j m W_ij and what solids add is nowhere
 above rho_0: by lambda_i = -max(rho_i / rho_0 - 1, 0) / sum_j |grad_j|^2 along the gradients of the densities, dx_i =
-sum_j (lambda_i + lambda_j) grad W_ij (Macklin & Mueller 2013, eq. 8 to 12). All solids count as plane walls do, by the
+sum_j (lambda_i + lambda_j) grad W_ij (Macklin & Müller 2013, eq. 8 to 12). All solids count as plane walls do, by the
 distance alone. The kernel's support is two spacings here, whatever the solver's: a longer one sees less of disorder.
 """
 
@@ -162,6 +162,7 @@ class _Settling:
         slope += gathered(a, slopes, count) - gathered(b, slopes, count)
         factor = -excess / (self.stiffness + np.einsum("ij,ij->i", slope, slope))
         # Each point follows the gradient of its own density, and those of its neighbours.
+        # Macklin & Müller 2013, eq. 12
         way += factor[:, None] * slope
         way += gathered(a, factor[b, None] * slopes, count) - gathered(b, factor[a, None] * slopes, count)
         return way, float(density.max())

@@ -29,6 +29,7 @@ class Volume:
 
     @classmethod
     def of(cls, source: Source, found: Seed) -> Volume:
+        """Of the fluid body that a source asks for, with the particles found for it."""
         each = source.spacing**3
         given, homeless = len(found.points) * each, found.number - len(found.points)
         return cls(source.name, source.solid.volume, found.volume, given, homeless, source.thickness, source.spacing)
@@ -40,6 +41,8 @@ class Volume:
         return f"{self.name}: {litres(self.given)} of {litres(self.asked)}{left}"
 
     def warnings(self) -> Iterator[str]:
+        """What the user should know: most of the shape is not free, it is thinner than a layer, or particles do not
+        fill it."""
         if self.free < MOST * self.asked:
             yield (
                 f"'{self.name}' has room for {litres(self.free)} of its {litres(self.asked)} only: the rest is outside "

@@ -21,6 +21,7 @@ class Gap:
     away: np.ndarray
 
     def joined(self, other: Gap) -> Gap:
+        """With the rows of another behind its own."""
         return Gap(*(np.concatenate(pair) for pair in zip(vars(self).values(), vars(other).values(), strict=True)))
 
     def where(self, mask: np.ndarray) -> Gap:

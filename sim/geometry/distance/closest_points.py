@@ -111,7 +111,7 @@ def cover(corners: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray, flo
 
 
 def closest_on_triangles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The point of each triangle, shape [n, 3, 3], nearest to each point, shape [n, 3]: Ericson 2005, 5.1.5."""
+    """The point of each triangle, shape [n, 3, 3], nearest to each point, shape [n, 3]: Ericson 2005, sec. 5.1.5."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     ab, ac, ap = b - a, c - a, points - a
     dot = _rowwise_dot

@@ -13,11 +13,13 @@ PLANE, SPHERE, BOX, CAPSULE, CYLINDER, TORUS, GRID = range(7)
 
 @ti.func
 def distance_to_plane(p: vec3) -> vec4:
+    """Unit normal in xyz and signed distance [m] in w, as all of these return them."""
     return vec4(0.0, 1.0, 0.0, p[1])
 
 
 @ti.func
 def distance_to_sphere(p: vec3, radius: ti.f64) -> vec4:
+    """At the centre, where all directions are as good, the normal is along y."""
     length = p.norm()
     normal = vec3(0.0, 1.0, 0.0)
     if length > 0.0:
@@ -52,12 +54,14 @@ def distance_to_box(p: vec3, half: vec3) -> vec4:
 
 @ti.func
 def distance_to_capsule(p: vec3, radius: ti.f64, half_length: ti.f64) -> vec4:
+    """As to a sphere about the nearest point of the axis, whose ends are at +-half_length [m]."""
     along = ti.min(ti.max(p[1], -half_length), half_length)
     return distance_to_sphere(p - vec3(0.0, along, 0.0), radius)
 
 
 @ti.func
 def distance_to_cylinder(p: vec3, radius: ti.f64, half_length: ti.f64) -> vec4:
+    """From the rim where `p` is beyond both side and end, else from the one of the two that it is less deep behind."""
     across = ti.sqrt(p[0] * p[0] + p[2] * p[2])
     outward = vec3(1.0, 0.0, 0.0)
     if across > 0.0:
@@ -77,6 +81,7 @@ def distance_to_cylinder(p: vec3, radius: ti.f64, half_length: ti.f64) -> vec4:
 
 @ti.func
 def distance_to_torus(p: vec3, radius: ti.f64, tube: ti.f64) -> vec4:
+    """As to a sphere of radius `tube` [m] about the nearest point of the circle of `radius` [m] about y."""
     across = ti.sqrt(p[0] * p[0] + p[2] * p[2])
     middle = vec3(radius, 0.0, 0.0)
     if across > 0.0:

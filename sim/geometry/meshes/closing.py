@@ -11,8 +11,8 @@ from sim.geometry.meshes.topology import Topology, components
 
 
 def closed_pieces(piece: trimesh.Trimesh, *, lids: bool = False) -> list[trimesh.Trimesh]:
-    """The closed pieces that MeshFix makes of one connected piece (Attene 2010, "A lightweight approach to repairing
-    digitized polygon meshes"); none where it fails. With `lids` flat openings get a lid, and it is asked for others."""
+    """The closed pieces that MeshFix makes of one connected piece (Attene 2010); none where it fails. With `lids`
+    flat openings get a lid, and it is asked for others."""
     if _is_closed(piece):
         return [piece]
     if lids and all(opening.flat for opening in openings(piece, piece)) and _is_closed(covered := with_lids(piece)):

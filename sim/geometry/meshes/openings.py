@@ -43,6 +43,7 @@ class Opening:
 
     @property
     def flat(self) -> bool:
+        """Whether its points are in a plane, to 1e-4 of their extent."""
         return _is_flat(self.points, 1e-4)
 
 

@@ -79,6 +79,7 @@ class RepairReport:
 
     @property
     def changed(self) -> bool:
+        """Whether there was anything to mend, or the mesh was not watertight before."""
         return bool(
             self.holes
             or self.non_manifold_edges
@@ -136,9 +137,8 @@ def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[t
     """A watertight mesh with outward faces, and what had to be done.
 
     A mesh that is closed already keeps its faces; pieces that are inside out are turned. An open one is cut
-    into its edge-connected pieces, each is closed by MeshFix (Attene 2010, "A lightweight approach to
-    repairing digitized polygon meshes"), and every piece that encloses a volume is kept. Pieces that overlap are
-    united.
+    into its edge-connected pieces, each is closed by MeshFix (Attene 2010), and every piece that encloses a volume is
+    kept. Pieces that overlap are united.
 
     With `close` "holes" a surface that is open as a bowl is none of a solid; with "all" it is closed over its mouth.
 

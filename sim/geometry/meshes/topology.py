@@ -35,6 +35,8 @@ class Topology:
 
     @classmethod
     def of(cls, mesh: trimesh.Trimesh) -> Self:
+        """Counted by the indices of faces: two vertices at one place stay two, and those without a face do not
+        count."""
         used = len(np.unique(mesh.faces))
         edges, first, faces_of = edges_of(mesh.faces)
         forward = np.bincount(faces_of, weights=first, minlength=len(edges))

@@ -3,7 +3,7 @@
 A vertical ray from a point to infinity crosses the surface; crossings out of the solid minus crossings
 into it are the winding number (1 inside one closed component, 2 where two overlap, 0 outside). Each
 crossing is decided by the signs of the three edge functions of the projected triangle. Ties are broken as if
-every query were moved by (e, e^2) (Edelsbrunner & Muecke 1990, simulation of simplicity), and an edge is
+every query were moved by (e, e^2) (Edelsbrunner & Mücke 1990, simulation of simplicity), and an edge is
 evaluated from its lower to its higher vertex, so that two triangles always agree on their common edge.
 """
 

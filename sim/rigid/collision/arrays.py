@@ -54,6 +54,7 @@ def _grids(bodies: Sequence[Body]) -> dict[str, Any]:
 
 
 def shapes(bodies: Sequence[Body]) -> Shapes:
+    """Those of all bodies, in their order."""
     return Shapes(**shape_arrays(bodies))
 
 
@@ -91,18 +92,22 @@ class ContactTables:
 
     @property
     def bytes(self) -> int:
+        """Memory of the tables, estimated as twice that of `pressed` [bytes]."""
         return sum(array.nbytes for array in self.table.values()) * 2
 
 
 def integers(values: Any) -> np.ndarray:
+    """Flat, of 32 bits."""
     return np.array(values, dtype=np.int32).reshape(-1)
 
 
 def numbers(values: Any) -> np.ndarray:
+    """Flat, in double precision."""
     return np.array(values, dtype=np.float64).reshape(-1)
 
 
 def vectors(values: Any) -> np.ndarray:
+    """Rows of three, in double precision."""
     return np.array(values, dtype=np.float64).reshape(-1, 3)
 
 

@@ -1,6 +1,6 @@
 """Contacts of two boxes: the axis that separates them most, then the corners of the area where they meet.
 
-Separating axes: Gottschalk, Lin & Manocha 1996.
+Separating axes: Gottschalk et al. 1996.
 """
 
 import taichi as ti

@@ -50,6 +50,7 @@ class Features:
         rounding: float = 0.0,
         cone: np.ndarray | None = None,
     ) -> None:
+        """Append one; without `direction` it is a point, and without `cone` the surface may face anywhere there."""
         self.kind.append(kind)
         self.centre.append(np.asarray(centre, dtype=float))
         self.direction.append(np.zeros(3) if direction is None else np.asarray(direction, dtype=float))

@@ -5,7 +5,7 @@ the impulse along it pulls nowhere, and one of them is at rest (Signorini). Fric
 coefficient mu times the normal impulse, or holds with less (Coulomb); it is projected onto the disc, not a pyramid
 (Moreau 1988; Jean 1999). Sweeps go on until no relative velocity is changed by more than asked for. Between them
 impulses go on along a conjugate direction, without which a heavy body on a light one would take thousands of sweeps
-(Silcowitz-Hansen, Niebel & Erleben 2010, NNCG).
+(NNCG, Silcowitz-Hansen et al. 2010).
 """
 
 from typing import Any

@@ -5,10 +5,10 @@ contacts ask for velocities that do not quite go together, each sweep only shift
 Newton's method on all of them sees that at once, and ends in the middle of all impulses that would do.
 
 Coulomb's law is one of second-order cones once the velocity u of a contact has mu |u_t| added along its normal (De
-Saxce and Feng 1998): impulses lie in the cone of friction, these velocities in its dual, and they are at right angles.
-Both are scaled to Lorentz' cone. Steps are those of Nesterov and Todd (1998) with Mehrotra's (1992) corrector, as
-Kleinert, Simeon and Obermayer (2014) use them for grains. Here the derivative of |u_t| is part of the equations, which
-are not symmetric for that, and no outer loop is needed.
+Saxcé & Feng 1998): impulses lie in the cone of friction, these velocities in its dual, and they are at right angles.
+Both are scaled to Lorentz' cone. Steps are those of Nesterov & Todd 1998 with the corrector of Mehrotra 1992, as
+Kleinert et al. 2014 use them for grains. Here the derivative of |u_t| is part of the equations, which are not symmetric
+for that, and no outer loop is needed.
 """
 
 from __future__ import annotations
@@ -169,7 +169,7 @@ def _solver(system: csr_matrix | np.ndarray) -> Callable[[np.ndarray], np.ndarra
 
 
 def _scaling(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Symmetric matrices S, shape [n, 3, 3], with S y = S^-1 x, and their inverses (Nesterov and Todd 1998)."""
+    """Symmetric matrices S, shape [n, 3, 3], with S y = S^-1 x, and their inverses (Nesterov & Todd 1998)."""
     root_x, root_y = np.sqrt(_norm(x))[:, None], np.sqrt(_norm(y))[:, None]
     one_x, one_y = x / root_x, y / root_y
     middle = (one_x + one_y * REFLECTION) / np.sqrt(2 + 2 * (one_x * one_y).sum(axis=1))[:, None]

@@ -43,7 +43,7 @@ def approach(
     extra: how much faster bodies will be along the normal when they meet [m/s]; slow: what gravity [m/s^2] does in
     two steps [m/s], which is no blow, for bodies would never come to rest; bounce: the restitution, or less where
     something else has braked one of the bodies: a contact gives back no more than its share of what it stopped, of its
-    impulse (Poisson 1817).
+    impulse (Poisson 1833).
     """
     found = 0
     for c in range(count):

@@ -61,7 +61,7 @@ def spun(q: vec4, momentum: vec3, inverse_inertia: mat3, dt: ti.f64) -> vec4:
     """The rotation after dt [s] without torque, by the implicit midpoint rule on the rotation group.
 
     The angular velocity is that of the rotation half-way: the rule is symmetric in time and of second order, so that
-    energy stays bounded while the momentum is exact (Hairer, Lubich & Wanner 2006, IV.9 and XI.1).
+    energy stays bounded while the momentum is exact (Hairer et al. 2006, sec. IV.9 and XI.1).
     """
     velocity = angular_velocity(q, momentum, inverse_inertia)
     for _ in range(MOST_ROUNDS):

@@ -81,7 +81,7 @@ def test_features_lie_on_the_surface(name):
 
     solid, shape = _contact_shape(name)
     features = shape.features
-    columns = features.kind, features.centre, features.way, features.rounding
+    columns = features.kind, features.centre, features.direction, features.rounding
     kind, centre, way, rounding = map(np.array, columns)
     around = np.zeros_like(way)
     around[:, 2] = way[:, 0]

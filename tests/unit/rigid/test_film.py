@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.coupling.fluid_rigid.lubrication import Film, elements
+from sim.coupling.fluid_rigid.lubrication import Lubrication, elements
 from tests.floating import RHO, G, pool
 
 SHAPES = {
@@ -63,7 +63,7 @@ def films(body: dict, pressure, water: dict | None = None, raised: float = 0.0) 
     pivot = run.world.rigid.position[0]
     now = pivot - run.world.origin + raised * np.array([0.0, 1.0, 0.0])
     still = np.concatenate((np.eye(3).ravel(), now, np.zeros(6)))
-    film, by_rims = Film(system, [0], [solid.mesh], [pivot]), ti.ndarray(ti.f64, (1, 6))
+    film, by_rims = Lubrication(system, [0], [solid.mesh], [pivot]), ti.ndarray(ti.f64, (1, 6))
     film.find(still[None])
     film.pressed(system.particles.position, by_rims, found=False)
     return (film.steady + by_rims.to_numpy())[0]

@@ -30,11 +30,11 @@ def contacts(*keys: tuple[int, ...]) -> Known:
 
 def push(cloth, *keys: tuple[int, ...]) -> np.ndarray:
     from sim.cloth.fabric.arrays import vectors
-    from sim.cloth.integrators.free_pieces import Adrift
+    from sim.cloth.integrators.free_pieces import FreePieces
 
     force = np.zeros((cloth.mesh.count, 3))
     force[0], force[5], force[9] = [1, 0, 0], [0, 3, 0], [0, 0, 7]
-    found = Adrift(cloth.mesh).push(contacts(*keys), vectors(force))
+    found = FreePieces(cloth.mesh).push(contacts(*keys), vectors(force))
     return np.zeros_like(force) if found is None else found
 
 
@@ -64,16 +64,16 @@ def test_what_touches_a_plane_a_solid_or_held_cloth_is_left_alone(cloth, key):
 @pytest.mark.parametrize(("others", "share"), [(0.0, 1.0), (0.1, 0.8), (0.5, 0.0), (1.0, 0.0)])
 def test_what_falls_does_so_the_less_the_more_acts_on_it(cloth, others, share):
     """Forces of `others`, over gravity; a towel that touches a plane falls no more than what is held."""
-    from sim.cloth.integrators.free_pieces import Adrift
+    from sim.cloth.integrators.free_pieces import FreePieces
 
     gravity = np.array([0.0, -10.0, 0.0])
     change = np.tile((1 - others) * gravity, (cloth.mesh.count, 1))
-    found = Adrift(cloth.mesh).falling(contacts((PLANE, 0, -1, -1, -1)), gravity, change)
+    found = FreePieces(cloth.mesh).falling(contacts((PLANE, 0, -1, -1, -1)), gravity, change)
     expected = np.repeat([0.0, share, 0.0], 4)[:, None]
     assert (np.zeros_like(expected) if found is None else found) == pytest.approx(expected)
 
 
 def test_nothing_falls_without_gravity(cloth):
-    from sim.cloth.integrators.free_pieces import Adrift
+    from sim.cloth.integrators.free_pieces import FreePieces
 
-    assert Adrift(cloth.mesh).falling(contacts(), np.zeros(3), np.zeros((cloth.mesh.count, 3))) is None
+    assert FreePieces(cloth.mesh).falling(contacts(), np.zeros(3), np.zeros((cloth.mesh.count, 3))) is None

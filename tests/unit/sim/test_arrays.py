@@ -20,3 +20,10 @@ def test_what_comes_has_zero_where_nothing_is_given(room):
     particles.extend({"place": np.full((2, 4), 3, numpy_real)})
     assert particles.numpy("place")[:, 0].tolist() == [2, 2, 2, 3, 3]
     assert particles.numpy("past").tolist() == [5, 5, 5, 0, 0]
+
+
+def test_two_that_declare_the_same_name_are_refused():
+    from sim.device.arrays import Declared, Particles
+
+    with pytest.raises(ValueError, match="declared twice: search"):
+        Particles([Declared("search", "vec4", "m/s"), Declared("search", "vec4", "kg/m^3")], 4)

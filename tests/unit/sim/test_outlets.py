@@ -136,6 +136,6 @@ def test_what_is_no_outlet_is_refused(prism, case):
 
 def test_it_lets_nothing_out_before_start_or_after_stop():
     found = disc(0.03, start=1, stop=3)
-    assert found.way(0, 1) == found.way(3, 4) == 0
-    assert found.way(0.5, 1.5) == found.way(2.5, 3.5) == pytest.approx(0.25)
-    assert found.way(0, 4) == pytest.approx(1.0)
+    assert found.distance(0, 1) == found.distance(3, 4) == 0
+    assert found.distance(0.5, 1.5) == found.distance(2.5, 3.5) == pytest.approx(0.25)
+    assert found.distance(0, 4) == pytest.approx(1.0)

@@ -1,9 +1,8 @@
 """Single layers of particles, made whole and flat before their surface is looked for.
 
 Where fluid lies in one layer, its particles are the bumps of its surface, and holes open as soon as they part.
-Such layers are filled where they are stretched (Ando, Thürey & Tsuruno 2012, "Preserving Fluid Sheets with Adaptively
-Sampled Anisotropic Particles") and flattened by the mean of what is around (Yu & Turk 2013, "Reconstructing Surfaces
-of Particle-Based Fluids Using Anisotropic Kernels", equation 6). Only the surface sees the result.
+Such layers are filled where they are stretched (Ando et al. 2012) and flattened by the mean of what is around (Yu &
+Turk 2013, eq. 6). Only the surface sees the result.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """Typed settings of the surface: how particles become a closed triangle mesh.
 
-The defaults follow Löschner, Böttcher, Jeske & Bender (2023), "Weighted Laplacian Smoothing for
-Surface Reconstruction of Particle-based Fluids"; thin sheets are made whole before, see
-workflow/stages/surface/layers.py.
+The defaults follow Löschner et al. 2023; thin sheets are made whole before, see workflow/stages/surface/layers.py.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The surface of a cloud of particles, by splashsurf (Löschner, Böttcher, Jeske & Bender 2023)."""
+"""The surface of a cloud of particles, by splashsurf (Löschner et al. 2023)."""
 
 from __future__ import annotations
 

@@ -1,0 +1,41 @@
+"""What is chosen by name: built in, or added by installed packages through entry points.
+
+A package adds a solver, a force, a shape or a look by an entry point of the group `tidemill.solvers`,
+`tidemill.forces`, `tidemill.shapes` or `tidemill.looks`: its name is that in scene files, its value a class of settings
+(`scene.settings.Settings`). The class says by IMPLEMENTATION, as `module:attribute`, what does the work; that is
+imported only when it is used.
+
+    [project.entry-points."tidemill.forces"]
+    wind = "tidemill_wind.settings:Wind"
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+KINDS = ("solvers", "forces", "shapes", "looks")
+
+
+def names(kind: str) -> tuple[str, ...]:
+    """Names of one of KINDS that installed packages add; nothing of them is imported."""
+    return tuple(sorted(entry_points(group=f"tidemill.{kind}").names))
+
+
+@cache
+def added(kind: str) -> dict[str, Any]:
+    """The classes of settings of one of KINDS that installed packages add, by name."""
+    return {entry.name: entry.load() for entry in sorted(entry_points(group=f"tidemill.{kind}"), key=lambda e: e.name)}
+
+
+def packages() -> set[str]:
+    """The packages in which the work of what they add is done."""
+    return {settings.IMPLEMENTATION.partition(".")[0] for kind in KINDS for settings in added(kind).values()}
+
+
+def load(where: str) -> Any:
+    """What `module:attribute` names."""
+    module, _, attribute = where.partition(":")
+    return getattr(import_module(module), attribute)

@@ -1,0 +1,30 @@
+"""What a stage depends on of solvers, forces, shapes and looks that installed packages add."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from common.registry import added
+
+KINDS = {"simulate": ("solvers", "forces", "shapes"), "render": ("looks",)}
+"""By the stage that uses them."""
+
+
+def digest(stage: str) -> str:
+    """Digest of the files with their settings and with what does their work; empty where there are none."""
+    files = sorted(
+        {file for kind in KINDS.get(stage, ()) for settings in added(kind).values() for file in _of(settings)}
+    )
+    if not files:
+        return ""
+    return hashlib.sha256(b"\n".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def _of(settings: type[Any]) -> set[Path]:
+    work = find_spec(settings.IMPLEMENTATION.partition(":")[0])
+    origins = (inspect.getfile(settings), work.origin if work else None)
+    return {Path(origin) for origin in origins if origin}
