@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable
-from typing import NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
 from common.signals import INTERRUPTED
 
@@ -30,27 +30,33 @@ def end_with(main: Callable[[], int | None], *, goes_on: bool = False) -> NoRetu
 
 
 def go_on_unheard() -> None:
-    """From now on nothing is lost but words where what this process prints can not be written any more.
+    """From now on nothing is lost but words where what this process prints cannot be written any more.
 
     Streams that were put in place of its own stay as they are.
     """
-    if sys.stdout is sys.__stdout__:
-        sys.stdout = sys.__stdout__ = _unheard(sys.stdout)
-    if sys.stderr is sys.__stderr__:
-        sys.stderr = sys.__stderr__ = _unheard(sys.stderr)
+    for name in ("stdout", "stderr"):
+        own = getattr(sys, f"__{name}__")
+        if getattr(sys, name) is own:
+            _put(name, _unheard(own))
+
+
+def _put(name: str, stream: TextIO) -> None:
+    """In place of `stdout` or `stderr`, and of what Python keeps of it."""
+    setattr(sys, name, stream)
+    setattr(sys, f"__{name}__", stream)
 
 
 class _Unheard(io.FileIO):
-    """Takes whatever is written, and drops what can not be."""
+    """Takes whatever is written, and drops what cannot be."""
 
-    def write(self, data: bytes | memoryview) -> int | None:
+    def write(self, data: Any) -> int:
         try:
             return super().write(data)
         except OSError:
             return memoryview(data).nbytes
 
 
-def _unheard(stream: TextIO) -> TextIO:
+def _unheard(stream: io.TextIOWrapper) -> TextIO:
     stream.flush()
     raw = _Unheard(stream.fileno(), "w", closefd=False)
     return io.TextIOWrapper(
@@ -64,6 +70,7 @@ def _unheard(stream: TextIO) -> TextIO:
 
 def _status(main: Callable[[], int | None]) -> int | str | None:
     try:
+        status: int | str | None
         try:
             status = main()
         except SystemExit as ending:
@@ -79,7 +86,7 @@ def _status(main: Callable[[], int | None]) -> int | str | None:
     except OSError as error:
         if error.errno not in FULL:
             raise
-        print(f"what was to be written can not be: {error.strerror}", file=sys.stderr)
+        print(f"what was to be written cannot be: {error.strerror}", file=sys.stderr)
         _drop(sys.stdout)
         return FAILED
 
@@ -99,7 +106,8 @@ def _open_streams() -> None:
         except OSError:
             os.open(os.devnull, os.O_RDWR)
     if sys.stdout is None:
-        sys.stdout = sys.__stdout__ = os.fdopen(1, "w", closefd=False, encoding="utf-8")
+        _put("stdout", os.fdopen(1, "w", closefd=False, encoding="utf-8"))
     if sys.stderr is None:
-        sys.stderr = sys.__stderr__ = os.fdopen(2, "w", closefd=False, encoding="utf-8")
-    sys.stdout.reconfigure(errors="backslashreplace")
+        _put("stderr", os.fdopen(2, "w", closefd=False, encoding="utf-8"))
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")

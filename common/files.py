@@ -24,7 +24,7 @@ def whole(path: Path) -> Iterator[BinaryIO]:
         raise
 
 
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
+def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """Let `write` make a file beside `path`, if it has one to make; it gets the name only when it is complete."""
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:

@@ -66,7 +66,7 @@ class Manifest:
                 if self.changed.get(name) != present[name].st_mtime_ns and self._differs(folder, name):
                     return f"{name} has another content"
         except OSError as error:
-            return f"{error.filename} can not be read"
+            return f"{error.filename} cannot be read"
         return ""
 
     def _differs(self, folder: Path, name: str) -> bool:
@@ -85,7 +85,9 @@ def spoiled(folder: Path, kinds: tuple[str, ...], frames: Container[int] | None 
     not there: who reads it says so.
     """
     manifest = Manifest.read(folder)
-    for name in manifest.sums if manifest else ():
+    if manifest is None:
+        return None
+    for name in manifest.sums:
         number = _FRAME.search(name)
         wanted = name.startswith(kinds) and (number is None or frames is None or int(number[1]) in frames)
         if wanted and (folder / name).exists() and manifest._differs(folder, name):

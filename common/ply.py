@@ -24,7 +24,8 @@ _TYPES = {
     "uint8": "u1",
 }
 _LONGEST_HEADER = 10_000
-_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")])
+_SURFACE_NAMES = ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")
+_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in _SURFACE_NAMES])
 _TRIANGLE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
 
 
@@ -36,7 +37,7 @@ def read_points(path: Path) -> np.ndarray:
     """The vertices of a PLY file as a structured array, one field a property; shape [n].
 
     Raises BadPly for anything but a complete binary little-endian file with scalar properties,
-    and OSError where the file can not be read.
+    and OSError where the file cannot be read.
     """
     content = path.read_bytes()
     end = content.find(b"end_header\n", 0, _LONGEST_HEADER)
@@ -92,7 +93,7 @@ def write_surface(
         "ply",
         "format binary_little_endian 1.0",
         f"element vertex {len(points)}",
-        *(f"property float {name}" for name in _SURFACE_VERTEX.names),
+        *(f"property float {name}" for name in _SURFACE_NAMES),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
         "end_header",

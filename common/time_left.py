@@ -30,7 +30,7 @@ class TimeLeft:
 
     @property
     def seconds(self) -> float | None:
-        """Those that are left; None where that can not be known yet, and at the end."""
+        """Those that are left; None where that cannot be known yet, and at the end."""
         if not self._taken or not self._left:
             return None
         return self._left * sum(self._taken) / len(self._taken)

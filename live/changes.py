@@ -98,7 +98,7 @@ class Changes:
 
     def _add_field(self, control: Control) -> _Field:
         if control.slides:
-            return self._add_sliders(control)
+            return self._add_sliders(control, *control.slides)
         (value,) = _shown(control)
         if control.kind == "choice":
             return _Field(control, [self.gui.add_dropdown(control.label, control.choices, initial_value=value)])
@@ -106,8 +106,7 @@ class Changes:
             return _Field(control, [self.gui.add_checkbox(control.label, value)])
         return _Field(control, [self.gui.add_text(control.label, value, hint=control.hint)])
 
-    def _add_sliders(self, control: Control) -> _Field:
-        low, high = control.slides
+    def _add_sliders(self, control: Control, low: float, high: float) -> _Field:
         values = _shown(control)
         labels = [f"{axis} [{control.unit}]" for axis in "xyz"] if len(values) > 1 else [control.label]
         sliders = [

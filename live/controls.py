@@ -22,8 +22,10 @@ PLACED = frozenset(
     ]
 )
 """Of bodies: where they are and what they are is changed by other means, or not at all."""
-METHODS = {"fluid": ("solver", ("wcsph", "pcisph", "iisph", "dfsph"))}
-METHODS["cloth"] = ("integrator", ("implicit_euler", "symplectic_euler", "xpbd"))
+METHODS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "fluid": ("solver", ("wcsph", "pcisph", "iisph", "dfsph")),
+    "cloth": ("integrator", ("implicit_euler", "symplectic_euler", "xpbd")),
+}
 """Groups of settings of which only the chosen one counts."""
 USUAL = {"m/s^2": (-20.0, 20.0)}
 """What sliders go over where bounds are far."""
@@ -61,15 +63,16 @@ class Control:
         """What a slider of it goes over, if one would help."""
         if self.unit in USUAL:
             return USUAL[self.unit]
-        if self.kind != "number" or None in (self.least, self.most) or self.most - self.least > WIDEST:
+        least, most = self.least, self.most
+        if self.kind != "number" or least is None or most is None or most - least > WIDEST:
             return None
-        fine = 0 < abs(self.value) < (self.most - self.least) / NOTCHES
-        return None if fine else (self.least, self.most)
+        fine = 0 < abs(self.value) < (most - least) / NOTCHES
+        return None if fine else (least, most)
 
     @property
     def notch(self) -> float:
-        """The least move of a slider of it."""
-        low, high = self.slides
+        """The least move of a slider of it; 0 without one."""
+        low, high = self.slides or (0.0, 0.0)
         return (high - low) / (10 * NOTCHES if self.kind == "vector" else NOTCHES)
 
     @property

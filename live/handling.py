@@ -85,7 +85,7 @@ class Handling:
             return
         picture, name = self.session.picture, self._body.value
         if picture is None or name not in picture.poses:
-            self._drag.value = False
+            self._drag.value = False  # type: ignore[misc]  # viser's setter stands apart from its getter
             return
         self._held = name
         self._gizmo = self.client.scene.add_transform_controls(
@@ -96,7 +96,7 @@ class Handling:
 
     def _let_go(self) -> None:
         self._held = None
-        self._drag.value = False
+        self._drag.value = False  # type: ignore[misc]  # viser's setter stands apart from its getter
         if self._gizmo is not None:
             self._gizmo.remove()
             self._gizmo = None
@@ -112,10 +112,10 @@ class Handling:
             self.change({"set": {f"rigid.bodies.{self._held}.pulls": [{"to": place}]}})
 
     def _pins(self) -> list[Any]:
-        spec = self.session.spec
+        cloth = self.session.spec.cloth
         return [
             pin if isinstance(pin, str) else pin.model_dump(mode="json", exclude_none=True)
-            for pin in spec.cloth.sheets[self._sheet.value].pins
+            for pin in (cloth.sheets[self._sheet.value].pins if cloth else ())
         ]
 
     def _pin(self, pins: list[Any]) -> None:

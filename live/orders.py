@@ -41,7 +41,7 @@ class Orders:
         """Wait for what was asked for until now, no longer than that [s]."""
         wait([self._thread.submit(int)], seconds)
 
-    def steer(self, event: viser.GuiEvent, action: Action) -> None:
+    def steer(self, event: viser.GuiEvent | viser.TransformControlsEvent, action: Action) -> None:
         """Act at once, if the client steers; what no client asked for is no order."""
         if event.client_id is None:
             return

@@ -94,7 +94,8 @@ class Page:
             self.server.stop()
 
     def _came(self, client: viser.ClientHandle) -> None:
-        if self.token is None:
+        token = self.token
+        if token is None:
             self._let_in(client)
             return
         with client.gui.add_folder("This simulation asks for its token") as folder:
@@ -102,7 +103,7 @@ class Page:
             enter = client.gui.add_button("Enter")
 
         def check(event: viser.GuiEvent) -> None:
-            if hmac.compare_digest(given.value.strip().encode(), self.token.encode()):
+            if hmac.compare_digest(given.value.strip().encode(), token.encode()):
                 folder.remove()
                 self._let_in(client)
             else:
@@ -144,7 +145,7 @@ class Page:
     def _take_over(self, number: int) -> None:
         """Let somebody else steer, when what was being done is done: it would come after what they do next."""
         with self._lock:
-            before = None if self._steers == number else self._viewers.get(self._steers)
+            before = None if self._steers is None or self._steers == number else self._viewers.get(self._steers)
             self._steers = number
             self._show_who_steers()
         if before:

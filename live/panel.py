@@ -6,7 +6,7 @@ import re
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from viser import uplot
@@ -90,9 +90,10 @@ class Panel:
             self._handling.show(spec)
             names = tuple(reversed(spec.body_names())) or ("",)
             if names != self._names.options:
-                self._names.options, self._names.value = names, names[0]
+                self._names.options = names
+                self._names.value = names[0]  # type: ignore[misc]  # viser's setter stands apart from its getter
 
-    def tell(self, text: str, *, title: str = "Refused", colour: str = "red") -> None:
+    def tell(self, text: str, *, title: str = "Refused", colour: Literal["red", "teal"] = "red") -> None:
         """Show a message for a while."""
         self.client.add_notification(title, text, auto_close_seconds=SHOWN_ERRORS, color=colour)
 
@@ -141,10 +142,10 @@ class Panel:
         if len(times) < 2 or times[-1] == self._plotted or now < self._plotted_at + DRAWN_EVERY:
             return
         self._plotted, self._plotted_at = times[-1], now
-        course = {name: column[:: -(-len(times) // POINTS)] for name, column in course.items()}
-        energies = [course[name] - course[name].min() for name in ("kinetic", "potential", "elastic")]
-        self._energy.data = (course["time"], *energies)
-        self._error.data = (course["time"], 100 * course["density_error"])
+        drawn = {name: column[:: -(-len(times) // POINTS)] for name, column in course.items()}
+        energies = [drawn[name] - drawn[name].min() for name in ("kinetic", "potential", "elastic")]
+        self._energy.data = (drawn["time"], *energies)
+        self._error.data = (drawn["time"], 100.0 * drawn["density_error"])
 
     def _add_shapes(self) -> None:
         gui = self.client.gui
@@ -178,8 +179,9 @@ class Panel:
         if material == "rigid":
             body |= {"motion": "dynamic", "density": float(self._density.value)}
         self._change({"add": {material: {name: body}}})
-        number = re.search(r"\d*$", name).group()
-        self._name.value = f"{name.removesuffix(number)}{int(number or 1) + 1}"
+        found = re.search(r"\d*$", name)
+        number = found.group() if found else ""
+        self._name.value = f"{name.removesuffix(number)}{int(number or 1) + 1}"  # type: ignore[misc]  # viser's setter stands apart from its getter
 
     def _shape_wanted(self, material: str) -> dict[str, Any]:
         x, y, z = (float(value) for value in self._size.value)
@@ -214,7 +216,7 @@ class Panel:
         except Refused as refused:
             self.tell(str(refused))
         else:
-            self._shape.value = "mesh"
+            self._shape.value = "mesh"  # type: ignore[misc]  # viser's setter stands apart from its getter
             self.tell(f"{self._mesh}: choose where it comes, and add it", title="Uploaded", colour="teal")
 
     def _add_saving(self) -> None:
@@ -224,7 +226,7 @@ class Panel:
 
     def _save(self, name: str) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
-            self.tell(f"'{name}' can not be the name of a scene: use letters, digits, - and _")
+            self.tell(f"'{name}' cannot be the name of a scene: use letters, digits, - and _")
             return
         path = self.session.script.scene.path.with_name(f"{name}.yaml")
         if path.exists():

@@ -86,11 +86,12 @@ def picture(world: World, frame: int, time: float, scenery: int) -> Picture:
     """The world as it is."""
     points, velocity, spacing, density = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32), 0.0, 1.0
     body = np.zeros(0, np.int32)
-    if world.fluid is not None:
+    settings = world.spec.fluid
+    if world.fluid is not None and settings is not None:
         particles = world.fluid.system.particles
         points = particles.numpy("position")[:, :3].astype(np.float32, copy=False)
         velocity, body = particles.numpy("velocity"), particles.numpy("tag")[:, 1]
-        spacing, density = world.spec.fluid.spacing, world.spec.fluid.rest_density
+        spacing, density = settings.spacing, settings.rest_density
     return Picture(
         frame=frame,
         time=time,
@@ -111,7 +112,9 @@ def scenery(world: World, number: int) -> Scenery:
     solids = {}
     for item in world.obstacles.placed:
         centre = np.zeros(3) if item.hollow else item.centre
-        solids[item.name] = Solid(item.solid.mesh.vertices - centre, item.solid.mesh.faces, item.hollow)
+        mesh = item.solid.mesh
+        if mesh is not None:
+            solids[item.name] = Solid(mesh.vertices - centre, mesh.faces, item.hollow)
     cloths = {item.name: np.asarray(item.fabric.triangles) for item in world.sheets}
     edges = [_edges(bounds) for bounds in world.obstacles.box_bounds()]
     return Scenery(number, solids, cloths, np.concatenate(edges) if edges else np.zeros((0, 2, 3)))
@@ -161,7 +164,7 @@ class Course:
         """Note energies and compression of the world after a step, at `time` [s]; `measure` is what the fluid's solver
         found."""
         kinetic = potential = elastic = error = 0.0
-        if measure is not None and world.fluid.count:
+        if measure is not None and world.fluid is not None and world.fluid.count:
             kinetic += measure.kinetic_energy
             potential += world.fluid.potential_energy(measure)
             error = measure.compression_sum / world.fluid.count

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from scene.load import Scene
     from sim.fluid.system import Measure
-    from sim.run.checkpoint import Clock
+    from sim.run.checkpoint import Checkpoint, Clock
     from sim.run.world import World
     from sim.spec import Event, SimulationSpec
 
@@ -87,7 +87,8 @@ class Session:
         self.watched = False
         """Whether anybody looks at pictures."""
         self.said: deque[str] = deque(maxlen=100)
-        self._output = _Output(self)
+        self._output: Any = _Output(self)
+        """Called as `sim.run.output.Output` is."""
         self._actions: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
         self._paused, self._single, self._closed = True, False, False
         self._played: list[Event] = []
@@ -100,7 +101,7 @@ class Session:
         self._paced_from = (0.0, 0.0)
         self._recent: deque[tuple[float, float]] = deque(maxlen=30)
         self._threads, self._arch = threads, arch
-        self._simulation: Run | None = None
+        self._run: Run | None = None
         self.ready = threading.Event()
 
     # What others call
@@ -157,14 +158,28 @@ class Session:
         """How many changes happen with the next steps."""
         return sum(event.at > self._applied_until + TIME_TOLERANCE for event in tuple(self._played))
 
+    @property
+    def _simulation(self) -> Run:
+        if self._run is None:
+            raise RuntimeError("the simulation has not been built yet")
+        return self._run
+
+    @property
+    def _last_good(self) -> Checkpoint:
+        """The state after the last frame, or of the start."""
+        good = self._simulation.good
+        if good is None:
+            raise RuntimeError("the simulation has not begun yet")
+        return good
+
     # The thread of the simulation
 
     def run(self) -> None:
-        """Simulate until closed; raises Refused where the scene can not be built."""
+        """Simulate until closed; raises Refused where the scene cannot be built."""
         _yield_to_others()
         scene = self.script.scene
         precision.choose(scene.simulation.precision)
-        self._simulation = run = Run(
+        self._run = run = Run(
             scene.simulation, scene.folder, threads=self._threads, arch=self._arch, warn=self.said.append
         )
         run.start()
@@ -300,13 +315,13 @@ class Session:
         except SceneError as error:
             refused(str(error))
         except OSError as error:
-            refused(f"{path} can not be written: {error.strerror or error}")
+            refused(f"{path} cannot be written: {error.strerror or error}")
 
     # What became of frames
 
     def _resume(self) -> None:
         run = self._simulation
-        run.resume(run.good)
+        run.resume(self._last_good)
         self.course.drop()
         self._applied_until = run.clock.time - 2 * TIME_TOLERANCE
         self._let_pass = self._happens_now
@@ -327,7 +342,7 @@ class Session:
         self._resume()
 
     def _frame_done(self) -> None:
-        self.history.keep(self._simulation.good)
+        self.history.keep(self._last_good)
         self._refusals.clear()
         if self._single:
             self._pause()

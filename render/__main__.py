@@ -32,7 +32,7 @@ example: the first two seconds of a film, after its simulation and reconstructio
 It writes run/frames/00000.png ... 00047.png and run/frames/summary.json.
 With --save-blend scene.blend the first frame can be opened and changed in Blender.
 
-exit codes: 0 done, 1 failed, 2 refused (settings, files or machine can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings, files or machine cannot be used as they are)
 """
 
 
@@ -103,7 +103,7 @@ def _with_builders(settings: Any) -> Any:
     if not isinstance(settings, dict):
         return settings
     found = {key: _with_builders(value) for key, value in settings.items()}
-    look = added("looks").get(found.get("type"))
+    look = added("looks").get(str(found.get("type")))
     return found if look is None else found | {"build": look.IMPLEMENTATION}
 
 
@@ -144,9 +144,9 @@ def _make_folder(name: str) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RenderError(f"can not make the folder {path}: {error.strerror}") from error
+        raise RenderError(f"cannot make the folder {path}: {error.strerror}") from error
     if not os.access(path, os.W_OK):
-        raise RenderError(f"the folder {path} can not be written")
+        raise RenderError(f"the folder {path} cannot be written")
     return path
 
 

@@ -10,6 +10,6 @@ class RenderError(Exception):
 
 
 class Unusable(RenderError):
-    """Settings, files or a machine that can not be rendered with as they are."""
+    """Settings, files or a machine that cannot be rendered with as they are."""
 
     exit_code = 2

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from render.content.axes import Quaternion, Vector, z_up, z_up_quaternion
+from render.content.axes import Quaternion, Vector, triple, z_up, z_up_quaternion
 from render.errors import Unusable
 
 
@@ -26,15 +26,15 @@ class Box:
 
     @property
     def center(self) -> Vector:
-        return tuple((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
+        return triple((a + b) / 2 for a, b in zip(self.low, self.high, strict=True))
 
     def grown(self, by: float) -> Box:
         """Larger by a length [m] on all sides."""
-        return Box(tuple(a - by for a in self.low), tuple(b + by for b in self.high))
+        return Box(triple(a - by for a in self.low), triple(b + by for b in self.high))
 
     def joined(self, other: Box) -> Box:
         """The smallest box around both."""
-        return Box(tuple(map(min, self.low, other.low)), tuple(map(max, self.high, other.high)))
+        return Box(triple(map(min, self.low, other.low)), triple(map(max, self.high, other.high)))
 
     def corners(self) -> list[Vector]:
         """All eight [m], the lowest first."""
@@ -81,7 +81,7 @@ class Inputs:
         except (OSError, ValueError, KeyError, TypeError) as error:
             what = f"{path} has no extent with min and max of three numbers each"
             raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
-        box = Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
+        box = Box(triple(map(min, low, high)), triple(map(max, low, high)))
         if not 0 < box.diagonal < float("inf"):
             raise Unusable(f"{path}: the extent must have a size, found a diagonal of {box.diagonal} m")
         return box

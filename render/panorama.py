@@ -1,4 +1,4 @@
-"""The panorama that lights a scene. `python -m render.panorama FILE` exits with 2 where Blender can not read it."""
+"""The panorama that lights a scene. `python -m render.panorama FILE` exits with 2 where Blender cannot read it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def load(path: Path) -> Any:
     except RuntimeError:
         image = None
     if image is None or not image.size[0]:
-        raise Unusable(f"lights.environment: Blender can not read the panorama {path}: save it as .hdr or .exr again")
+        raise Unusable(f"lights.environment: Blender cannot read the panorama {path}: save it as .hdr or .exr again")
     return image
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -139,7 +139,10 @@ class Glass(Settings):
 
 LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
 
-Look = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]  # type: ignore[valid-type]
+if TYPE_CHECKING:
+    Look = Any
+else:
+    Look = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]
 
 
 def _water_unless_told(value: Any) -> Any:
@@ -395,7 +398,7 @@ class RenderSpec(Settings):
     foam: Look = Matte(type="matte", color=srgb("#f3f7f9"))
     """Look of foam, spray and bubbles, where the scene has them."""
     walls: Walls = Walls()
-    materials: Annotated[dict[Name, Look], Field(default_factory=dict)]
+    materials: dict[Name, Look] = Field(default_factory=dict)
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""
 
     @model_validator(mode="after")

@@ -41,7 +41,7 @@ def resolve(file: str, folder: Path) -> Path:
     if not path.is_file():
         raise Refused(f"asset {file!r} does not exist; looked for {path}", remedy=_suggestion(path, inside))
     if not os.access(path, os.R_OK):
-        raise Refused(f"asset {file!r} can not be read ({path})", remedy="Give this user permission to read it")
+        raise Refused(f"asset {file!r} cannot be read ({path})", remedy="Give this user permission to read it")
     return path
 
 

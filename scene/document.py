@@ -3,7 +3,7 @@
 YAML is read by the rules of version 1.2 where 1.1 surprises: `1e-4` is a number, `on` and `no`
 are text, a key given twice is an error, `<<` merges nothing, and no Python object is ever
 constructed. Signs that only look like those of YAML are read as these: a minus sign before a number,
-no-break blanks before keys and values, and characters that can not be seen.
+no-break blanks before keys and values, and characters that cannot be seen.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class Document:
         return merged
 
     def set(self, assignment: str) -> None:
-        """Apply `path.to.key=value`, the value in YAML; raises SceneError where it can not be."""
+        """Apply `path.to.key=value`, the value in YAML; raises SceneError where it cannot be."""
         path, equals, text = assignment.partition("=")
         keys: Location = tuple(int(part) if part.isdecimal() else part for part in path.strip().split("."))
         source = f"--set {assignment}"
@@ -117,14 +117,14 @@ class Document:
                 raise SceneError(
                     [f"{source}: {here} is not in the scene\n  fix: {dotted(keys[:depth])} holds one value: set that"]
                 )
-            key = str(key) if isinstance(target, dict) else key
+            place: Any = str(key) if isinstance(target, dict) else key
             if depth == len(keys) - 1:
-                target[key] = value
+                target[place] = value
                 continue
-            if isinstance(target, dict) and target.get(key) is None:
-                target[key] = {}
+            if isinstance(target, dict) and target.get(place) is None:
+                target[place] = {}
                 marks[keys[: depth + 1]] = Mark(source)
-            target = target[key]
+            target = target[place]
         self.marks = marks
 
 
@@ -145,7 +145,7 @@ def read(path: Path) -> Document:
         )
         raise SceneError([f"{path}: no such scene file\n  fix: {hint}"]) from None
     except (OSError, ValueError) as error:
-        raise SceneError([f"{path}: can not be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
+        raise SceneError([f"{path}: cannot be read: {error}\n  fix: give a UTF-8 text file in YAML"]) from None
     if len(content) > MAX_BYTES:
         raise SceneError([f"{path}: larger than any scene file, {len(content):,} bytes\n  fix: give a scene file"])
     return parse(text, source=str(path))
@@ -175,7 +175,7 @@ _AFTER_KEY = re.compile(rf"^( *(?:- +)*[\"']?[\w-]+[\"']?:)[{BLANKS}]+", re.MULT
 
 
 def _visible(text: str) -> str:
-    """The text without what can not be seen, and with blanks of YAML where others would hide its structure."""
+    """The text without what cannot be seen, and with blanks of YAML where others would hide its structure."""
     text = text.translate(dict.fromkeys(map(ord, INVISIBLE)))
     return _AFTER_KEY.sub(r"\1 ", _BEFORE_KEY.sub(lambda blanks: " " * len(blanks[0]), text))
 
@@ -258,7 +258,8 @@ class _Reader:
     def syntax_problem(self, error: yaml.MarkedYAMLError) -> str:
         mark, problem = error.problem_mark, error.problem or error.context or "not YAML"
         at_end = mark is None or not "".join(self._lines[mark.line :]).strip()
-        begin = 0 if at_end else (error.context_mark or mark).line
+        context = error.context_mark or mark
+        begin = 0 if at_end or context is None else context.line
         cause = self._cause(begin, mark.line if mark else 0)
         if cause is not None:
             line, problem, remedy = cause
@@ -316,11 +317,11 @@ class _Reader:
             self.document.marks[here] = self._mark(line)
             if not key or key_node.tag not in _SCALARS:
                 remedy = "a key is a word, as in `radius: 0.1`"
-                raise SceneError([self.document.problem(here, "this can not be the name of a setting", remedy)])
+                raise SceneError([self.document.problem(here, "this cannot be the name of a setting", remedy)])
             if key == "<<":
                 remedy = "write the settings out, or override them in presets"
                 raise SceneError([self.document.problem(here, "merge keys are not part of YAML 1.2", remedy)])
-            if key in data:
+            if key in data and first is not None:
                 message = f"'{key}' is given twice, first in line {first.line}"
                 remedy = "give each body, and each key, a name of its own"
                 raise SceneError([self.document.problem(here, message, remedy)])

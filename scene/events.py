@@ -90,14 +90,14 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
 
 
 FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", "events", "probes")
-"""Settings that can not change while particles exist."""
+"""Settings that cannot change while particles exist."""
 
 
 def _assign(data: dict[str, Any], path: str, value: Any, location: tuple[str | int, ...]) -> None:
     for fixed in FIXED:
         if f"{path}.".startswith(f"{fixed}.") or fixed.startswith(f"{path}."):
             raise Refused(
-                f"{fixed} can not change during the simulation",
+                f"{fixed} cannot change during the simulation",
                 location=location,
                 remedy="give it once at the start, or set single settings of the group that are free to change",
             )
@@ -153,7 +153,7 @@ def _refusal(event: Event, index: int, detail: Any) -> Refused:
             within = "" if field[-1] == keys[-1] else f"{field[-1]}: "
             return Refused(f"{within}{message}", location=location, remedy=remedy)
     return Refused(
-        f"the event can not be applied: {'.'.join(field)}: {message}", location=("events", index), remedy=remedy
+        f"the event cannot be applied: {'.'.join(field)}: {message}", location=("events", index), remedy=remedy
     )
 
 

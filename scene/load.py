@@ -194,7 +194,7 @@ def _combinations(wedge: dict[str, tuple[Any, ...]], document: Document) -> tupl
     for path in wedge:
         if path.partition(".")[0] in {"quality", "presets", "wedge", "description"}:
             remedy = "give paths of settings, as fluid.viscosity; presets are chosen by --config quality=..."
-            raise SceneError([document.problem(("wedge", path), "this can not be varied", remedy)])
+            raise SceneError([document.problem(("wedge", path), "this cannot be varied", remedy)])
     try:
         return tuple(combinations(wedge))
     except Refused as refused:

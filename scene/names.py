@@ -16,7 +16,7 @@ Location = tuple[str | int, ...]
 
 FLUID = ("a fluid body", "an emitter", "a drain")
 SOLID = ("a rigid body", "a container")
-KINDS = {
+KINDS: dict[Location | str | int, str] = {
     ("fluid", "bodies"): "a fluid body",
     ("fluid", "emitters"): "an emitter",
     ("fluid", "drains"): "a drain",
@@ -59,7 +59,7 @@ def named(spec: SimulationSpec) -> dict[str, Named]:
 
 
 def resolve(spec: SimulationSpec) -> dict[str, Named]:
-    """All that has a name; raises Refused where a setting names what there never is, or what it can not be about."""
+    """All that has a name; raises Refused where a setting names what there never is, or what it cannot be about."""
     found = named(spec)
     for name, probe in spec.probes.items():
         _resolve_probe(("probes", name), probe, found)
@@ -84,7 +84,7 @@ def _resolve_probe(location: Location, probe: Any, found: dict[str, Named]) -> N
             }
             if probe.body in found and probe.body not in solids:
                 raise Refused(
-                    f"the force on '{probe.body}' can not be measured: it is no rigid body with a surface",
+                    f"the force on '{probe.body}' cannot be measured: it is no rigid body with a surface",
                     location=(*location, "body"),
                     remedy=_offer(probe.body, solids, "name a rigid body that is no plane"),
                 )
@@ -125,8 +125,8 @@ def _resolve_events(spec: SimulationSpec, found: dict[str, Named]) -> None:
         for name in event.remove:
             if name not in present:
                 when = "at that time " if name in found else ""
-                location = ("events", index, "remove")
-                raise Refused(f"{when}there is no body named '{name}'", location=location, remedy=_offer(name, present))
+                message = f"{when}there is no body named '{name}'"
+                raise Refused(message, location=("events", index, "remove"), remedy=_offer(name, present))
             present.remove(name)
         for path in {"rigid", "rigid.pairs"} & event.set.keys():
             known = {name: found[name] for name in (*present, *to_come)}

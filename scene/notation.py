@@ -60,8 +60,8 @@ def meant(text: str) -> str:
             f", or {whole}{part}{rest} if thousands were meant" if len(part) == 3 and whole.lstrip("-+") != "0" else ""
         )
         return f"decimals have a point: write {whole}.{part}{rest}{other}" if "," not in rest else ""
-    if ";" in text and numbers(text):
-        return f"part values by commas, as [{', '.join(numbers(text))}]"
+    if ";" in text and (parts := numbers(text)):
+        return f"part values by commas, as [{', '.join(parts)}]"
     if apart := re.fullmatch(r"([-+]?\d{1,3}(?:[ '\u2019]\d{3})+)(\D*)", text):
         whole = re.sub(r"[^-+\d]", "", apart[1])
         return f"write {whole}{apart[2]} without gaps"

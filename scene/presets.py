@@ -10,7 +10,7 @@ from typing import Any, Literal
 Quality = Literal["draft", "standard", "final"]
 QUALITIES: tuple[Quality, ...] = ("draft", "standard", "final")
 
-PRESETS: dict[Quality, dict[str, dict[str, Any]]] = {
+PRESETS: dict[str, dict[str, dict[str, Any]]] = {
     "draft": {
         "surface": {
             "cube_size": 1.25,
@@ -49,7 +49,8 @@ def below(own: dict[str, Any], quality: str) -> dict[str, Any]:
     data, step = dict(own), own.get("step")
     paced = isinstance(step, dict) and "fixed" in step
     for section, values in PRESETS.get(quality, {}).items():
-        given = own.get(section, {} if section in ALWAYS else None)
+        absent: dict[str, Any] | None = {} if section in ALWAYS else None
+        given = own.get(section, absent)
         if isinstance(given, dict) and (section in ALWAYS or not paced):
             data[section] = _merged(values, given)
     return data

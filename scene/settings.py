@@ -30,7 +30,7 @@ def canonical_json(data: Any) -> str:
 
 
 class Refused(Exception):
-    """A setting or an asset that can not be simulated as given; the process exits with 2.
+    """A setting or an asset that cannot be simulated as given; the process exits with 2.
 
     `location` is the path of keys in the scene, `remedy` says what would be right.
     """

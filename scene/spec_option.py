@@ -16,14 +16,14 @@ Spec = TypeVar("Spec", bound=Settings)
 
 
 def spec_text(given: str) -> str:
-    """The JSON that the option means; raises Refused where a file can not be read."""
+    """The JSON that the option means; raises Refused where a file cannot be read."""
     if given.lstrip().startswith("{"):
         return given
     try:
         return sys.stdin.read() if given == "-" else Path(given.removeprefix("@")).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         raise Refused(
-            f"--spec {given}: can not be read: {error}", remedy="give JSON, the name of a file, or - for standard input"
+            f"--spec {given}: cannot be read: {error}", remedy="give JSON, the name of a file, or - for standard input"
         ) from None
 
 

@@ -45,8 +45,11 @@ def _units(text: str) -> str:
 
 
 def _quantity(text: str) -> pint.Quantity:
-    """The number and unit of a text; fails where it holds anything else."""
-    number, unit = _QUANTITY.fullmatch(plain(text)).groups()
+    """The number and unit of a text; raises ValueError where it holds anything else."""
+    found = _QUANTITY.fullmatch(plain(text))
+    if found is None:
+        raise ValueError(text)
+    number, unit = found.groups()
     return _registry().Quantity(float(number), _units(unit or ""))
 
 

@@ -58,11 +58,11 @@ def simulate(
     """
     if state is None and first > 0:
         raise Refused(
-            f"frame {first} can not be the first without the state after frame {first - 1}",
+            f"frame {first} cannot be the first without the state after frame {first - 1}",
             remedy=f"give --resume {state_name(first - 1)}, or start at frame 0",
         )
     if threads is not None and threads < 1:
-        raise Refused(f"{threads} threads can not compute", remedy="give at least one, or leave --threads out")
+        raise Refused(f"{threads} threads cannot compute", remedy="give at least one, or leave --threads out")
     began = time.perf_counter()
     precision.choose(spec.precision)
     spec = spec.before(last / spec.fps)
@@ -153,7 +153,7 @@ def _prepare(out: Path) -> None:
 
 def _not_writable(out: Path, error: OSError) -> Refused:
     return Refused(
-        f"{error.filename or out} can not be written: {error.strerror or error}",
+        f"{error.filename or out} cannot be written: {error.strerror or error}",
         remedy="make room, or give another --out",
     )
 

@@ -8,7 +8,7 @@ It writes splash.mp4, frames/00000.png ..., contact.png and summary.json; with -
 steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON, the name of a file with it, or -
 for standard input.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import struct
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from common.command import end_with
 from common.files import write_json, write_whole
@@ -38,7 +39,7 @@ def run(
     surface: Sequence[Path] = (),
     foam: Sequence[Path] = (),
 ) -> None:
-    """Write the folder of a film; raises Refused where a frame is missing or a picture can not be used."""
+    """Write the folder of a film; raises Refused where a frame is missing or a picture cannot be used."""
     watch = Stopwatch()
     film = spec.film
     title = spec.name.rpartition("/")[2]
@@ -60,7 +61,7 @@ def run(
         try:
             write_whole(video, lambda partial: encode(out / "frames", partial, fps=playback, crf=film.crf))
         except EncoderFailed as error:
-            raise Refused(f"the film can not be encoded: {error}") from None
+            raise Refused(f"the film cannot be encoded: {error}") from None
     with watch.phase("contact_sheet"):
         sheet = contact_sheet(pictures, fps=spec.fps, title=title, spec=film.contact_sheet)
         write_whole(out / "contact.png", lambda partial: sheet.save(partial, format="PNG"))
@@ -123,7 +124,7 @@ def _common_size(pictures: Sequence[Path]) -> list[int]:
     """Width and height [px], the same in all pictures."""
     from PIL import Image, UnidentifiedImageError
 
-    sizes = {}
+    sizes: dict[tuple[int, int], Path] = {}
     for path in pictures:
         try:
             with Image.open(path) as picture:
@@ -144,7 +145,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         prog="python -m workflow.film", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
-    folders = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
+    folders: dict[str, Any] = {"type": Path, "nargs": "*", "metavar": "DIR", "default": []}
     parser.add_argument("--frames-from", **{**folders, "nargs": "+"}, required=True, help="folders with 00000.png ...")
     parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")
     parser.add_argument("--surface", **folders, help="folders of the surface, in order: volume and times")

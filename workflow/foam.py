@@ -10,7 +10,7 @@ of the simulation. Frame 0 has no foam; frames that begin later go on from --res
 frame before. The points carry velocities (vx vy vz), radius, life (what is left [s]) and kind (0 spray, 1 foam, 2
 bubble).
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def run(
     threads: int = 1,
     arch: str = "auto",
 ) -> None:
-    """Write foam_*.ply and summary.json to `out`; raises Refused for particles that can not be used."""
+    """Write foam_*.ply and summary.json to `out`; raises Refused for particles that cannot be used."""
     watch = Stopwatch()
     if frames.first > 0 and resume is None:
         remedy = "give --resume, or start at frame 0"
@@ -69,10 +69,10 @@ def run(
     bodies = Bodies(simulation)
     points, before = np.empty(0, FOAM_POINT), None
     if frames.first > 0:
-        points = _points([resume], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names)
+        points = _points([resume] if resume else [], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names or ())
         before = _points(simulation, f"fluid_{frames.first - 1:05d}.ply", ("id",))
     rows: list[dict[str, Any]] = []
-    warnings = []
+    warnings: list[str] = []
     with Progress(len(frames)) as progress:
         for frame in frames:
             frame_watch = Stopwatch()

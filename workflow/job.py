@@ -48,7 +48,7 @@ class Interrupted(Exception):
 
 
 class Log:
-    """What a job says, to the terminal and to its log file; it goes on where one of them can not be written."""
+    """What a job says, to the terminal and to its log file; it goes on where one of them cannot be written."""
 
     def __init__(self, file: Path):
         self._sinks: list[BinaryIO] = [sys.stderr.buffer]
@@ -155,7 +155,7 @@ def _run_stage(command: Sequence[str], log: Log) -> int:
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     ) as stage:
         try:
-            while chunk := os.read(stage.stdout.fileno(), 65536):
+            while stage.stdout and (chunk := os.read(stage.stdout.fileno(), 65536)):
                 log.write(chunk)
             code = stage.wait()
         except BaseException:
@@ -249,7 +249,7 @@ def _explain(error: OSError, output: Path) -> str:
         errno.EPERM: "there is no permission to write here: change the owner or the mode of the folder",
     }
     where = error.filename or output
-    return f"{where}: can not be written: {reasons.get(error.errno or 0, error.strerror or str(error))}"
+    return f"{where}: cannot be written: {reasons.get(error.errno or 0, error.strerror or str(error))}"
 
 
 def _at_death_of_parent(signum: int) -> Callable[[], None]:

@@ -56,7 +56,7 @@ def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] 
     """All frames of which a simulation left files, by number."""
     meshed = {_number(path): path.parent for folder in surfaces for path in folder.glob("surface_*.ply")}
     foamed = {_number(path): path.parent for folder in foams for path in folder.glob("foam_*.ply")}
-    found = {}
+    found: dict[int, Frame] = {}
     for folder in simulations:
         numbers = {_number(path) for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern)}
         if not numbers and (folder / "bodies.csv").exists():
@@ -69,7 +69,7 @@ def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] 
 def draw(
     scene: Scene, frame: Frame, out: Path, *, particles: bool = False, size: tuple[int, int] | None = None
 ) -> None:
-    """Write the picture of a frame; raises Unusable and BadPly for files that can not be drawn."""
+    """Write the picture of a frame; raises Unusable and BadPly for files that cannot be drawn."""
     import pyvista
     from vtkmodules.vtkCommonCore import vtkLogger
 
@@ -81,7 +81,7 @@ def draw(
     inputs = Inputs(frame.simulation, frame.surface, frame.foam)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.enable_anti_aliasing("msaa")
-    plotter.set_background(BACKGROUND[0], top=BACKGROUND[1])
+    plotter.set_background(BACKGROUND[0], top=BACKGROUND[1])  # type: ignore[arg-type]  # the wrapper's type leaves out self
     for path in inputs.containers().values():
         points, triangles = _mesh(path)
         edges = pyvista.make_tri_mesh(points, triangles).extract_feature_edges(30)
@@ -94,14 +94,14 @@ def draw(
             color = _color(scene, name, _painted(path) or BODIES[index % len(BODIES)])
             _add(plotter, points, triangles, color)
     for name in inputs.sheets():
-        path = inputs.sheet(name, frame.number)
-        if path is not None:
-            _add(plotter, *_mesh(path), _color(scene, name, CLOTH))
+        sheet = inputs.sheet(name, frame.number)
+        if sheet is not None:
+            _add(plotter, *_mesh(sheet), _color(scene, name, CLOTH))
     surface, colours = inputs.water(frame.number), ""
     fluid = frame.simulation / f"fluid_{frame.number:05d}.ply"
     if surface is not None and not particles:
         _add(plotter, *_mesh(surface), WATER)
-    elif fluid.exists():
+    elif scene.simulation.fluid is not None and fluid.exists():
         colours = _add_particles(plotter, fluid, scene.simulation.fluid.particle_radius)
     foam = inputs.bubbles(frame.number)
     if foam is not None:
@@ -194,7 +194,10 @@ def _rotation(quaternion: tuple[float, float, float, float]) -> np.ndarray:
 
 
 def _number(path: Path) -> int:
-    return int(re.search(r"_(\d+)\.ply$", path.name)[1])
+    found = re.search(r"_(\d+)\.ply$", path.name)
+    if found is None:
+        raise ValueError(f"{path} has no number")
+    return int(found[1])
 
 
 def unfinished(folder: Path) -> Iterator[Path]:

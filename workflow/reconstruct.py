@@ -10,12 +10,13 @@ rest_density [kg/m^3], walls (each with normal and offset [m]) that the surface 
 velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a mesh
 without vertices.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -34,7 +35,7 @@ from workflow.stages.surface.spec import ReconstructSpec
 
 
 def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, threads: int = 1) -> None:
-    """Write surface_*.ply and summary.json to `out`; raises Refused for particles that can not be used."""
+    """Write surface_*.ply and summary.json to `out`; raises Refused for particles that cannot be used."""
     watch = Stopwatch()
     with watch.phase("import"):
         os.environ["RAYON_NUM_THREADS"] = str(threads)
@@ -65,8 +66,7 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         with watch.phase("splashsurf"), at_once():
             surface = reconstruct(positions, velocities, spec, threads=threads)
         with watch.phase("write"):
-            parts = (surface.vertices, surface.normals, surface.velocities, surface.triangles)
-            write_whole(out / f"surface_{frame:05d}.ply", lambda partial, parts=parts: write_surface(partial, *parts))
+            write_whole(out / f"surface_{frame:05d}.ply", functools.partial(write_surface, **vars(surface)))
         rows.append(
             {
                 "frame": frame,

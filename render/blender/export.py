@@ -17,12 +17,11 @@ from render.inputs import Inputs
 from render.job import Job, Report
 
 
-def export_film(job: Job, report: Report) -> dict[str, Any]:
-    """Write a job's frames to its file; returns the summary.
+def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
+    """Write a job's frames to a file; returns the summary.
 
-    Raises RenderError, and Unusable for files that can not be read and formats that this Blender does not write.
+    Raises RenderError, and Unusable for files that cannot be read and formats that this Blender does not write.
     """
-    path = Path(job.export)
     part = path.with_name(f".{path.stem}.part{path.suffix}")
     inputs = Inputs(Path(job.simulation), Path(job.surface) if job.surface else None)
     settings = plain(job.settings)
@@ -41,9 +40,9 @@ def export_film(job: Job, report: Report) -> dict[str, Any]:
             write(scene, job, part, report)
         part.replace(path)
     except (AttributeError, RuntimeError) as error:
-        raise Unusable(f"this Blender can not write {path.suffix} files: {error}") from error
+        raise Unusable(f"this Blender cannot write {path.suffix} files: {error}") from error
     except OSError as error:
-        raise RenderError(f"can not write {path}: {error.strerror}") from error
+        raise RenderError(f"cannot write {path}: {error.strerror}") from error
     finally:
         release()
         part.unlink(missing_ok=True)
@@ -66,8 +65,8 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
             return
         for name, mesh in scene.read(frame).items():
             thing, material = scene.moving()[name]
-            seen = mesh is not None and len(mesh.triangles) > 0
-            replace_mesh(thing, build_mesh(name, mesh) if seen else _nothing(name), material)
+            shape = _nothing(name) if mesh is None or len(mesh.triangles) == 0 else build_mesh(name, mesh)
+            replace_mesh(thing, shape, material)
             thing.data.name = name
         report({"frame": frame, "wall_s": 0.0})
 

@@ -21,11 +21,11 @@ from render.job import Job, Report
 def render_frames(job: Job, report: Report) -> dict[str, Any]:
     """Render a job's frames; returns the summary.
 
-    Raises RenderError, and Unusable for settings or files that can not be rendered.
+    Raises RenderError, and Unusable for settings or files that cannot be rendered.
     """
     log, watch = Path(job.log), Stopwatch()
     settings = plain(job.settings)
-    inputs = Inputs(*(Path(folder) if folder else None for folder in (job.simulation, job.surface, job.foam)))
+    inputs = Inputs(Path(job.simulation), *(Path(folder) if folder else None for folder in (job.surface, job.foam)))
     seconds: list[float] = []
     without_water: list[int] = []
     try:
@@ -49,7 +49,8 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
                     _render(to_file=bool(settings.passes))
                 with watch.phase("write"):
                     save_picture(Path(job.out) / f"{frame:05d}.png")
-            if meshes.get("water") is not None and len(meshes["water"].triangles) == 0:
+            water = meshes.get("water")
+            if water is not None and len(water.triangles) == 0:
                 without_water.append(frame)
             seconds.append(time.perf_counter() - start)
             report({"frame": frame, "wall_s": seconds[-1]})
@@ -82,4 +83,4 @@ def _save_blend(path: Path) -> None:
     try:
         check(bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, compress=True), "saving the scene")
     except RuntimeError as error:
-        raise RenderError(f"can not write {path}: {error}") from error
+        raise RenderError(f"cannot write {path}: {error}") from error

@@ -16,7 +16,7 @@ from render.job import Job, Report
 def render_installed(blender: str, job: Job, scratch: Path, report: Report) -> dict[str, Any]:
     """Render a job's frames with the Blender at a path; returns the summary.
 
-    Raises Unusable when it can not be started, RenderError when it fails.
+    Raises Unusable when it cannot be started, RenderError when it fails.
     """
     job_file = scratch / "job.json"
     job.write(job_file)
@@ -26,10 +26,10 @@ def render_installed(blender: str, job: Job, scratch: Path, report: Report) -> d
     try:
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     except OSError as error:
-        raise Unusable(f"blender: can not start {blender}: {error.strerror}") from error
+        raise Unusable(f"blender: cannot start {blender}: {error.strerror}") from error
     with process, Path(job.log).open("a") as log:
         try:
-            summary = _follow(process.stdout, log, report)
+            summary = _follow(process.stdout or (), log, report)
         except BaseException:
             process.kill()
             raise

@@ -20,7 +20,7 @@ KEPT = {b"IHDR", b"PLTE", b"sRGB", b"gAMA", b"cHRM", b"iCCP", b"IDAT", b"IEND"}
 def save_picture(path: Path) -> None:
     """Write the last rendering as PNG, under its name only once it is complete.
 
-    The same picture has the same bytes. Raises RenderError when the folder can not be written or the disk is full.
+    The same picture has the same bytes. Raises RenderError when the folder cannot be written or the disk is full.
     """
     part = path.with_name(f".{path.stem}.part.png")
     try:
@@ -33,7 +33,7 @@ def save_picture(path: Path) -> None:
         part.replace(path)
     except (RuntimeError, OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error).strip()
-        raise RenderError(f"can not write {path}: {reason}. Is the folder writable, and is the disk full?") from error
+        raise RenderError(f"cannot write {path}: {reason}. Is the folder writable, and is the disk full?") from error
     finally:
         part.unlink(missing_ok=True)
 
@@ -54,7 +54,7 @@ def passes_beside(path: Path, wanted: bool) -> Iterator[None]:
     try:
         yield
         if not part.exists():
-            raise RenderError(f"can not write {path}. Is the folder writable, and is the disk full?")
+            raise RenderError(f"cannot write {path}. Is the folder writable, and is the disk full?")
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)

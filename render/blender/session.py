@@ -34,11 +34,11 @@ def import_remedy(error: ImportError) -> str:
         return "Blender is missing: install the Python package bpy, or name an installed Blender with `blender: PATH`"
     missing = re.search(r"(lib\w+)[\w.+-]*\.so[.\d]*: cannot open shared object file", str(error))
     package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
-    if package is None:
-        return f"Blender can not be loaded: {error}"
+    if missing is None or package is None:
+        return f"Blender cannot be loaded: {error}"
     others = " ".join(sorted(set(DEBIAN_PACKAGES.values()) - {package}))
     return (
-        f"Blender can not be loaded: the system library {missing[1]} is missing. "
+        f"Blender cannot be loaded: the system library {missing[1]} is missing. "
         f"On Debian or Ubuntu: apt-get install {package} (it may also need {others})"
     )
 

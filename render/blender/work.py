@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from render.job import Job, Report
@@ -12,7 +13,7 @@ def carry_out(job: Job, report: Report) -> dict[str, Any]:
     if job.export is not None:
         from render.blender.export import export_film
 
-        return export_film(job, report)
+        return export_film(job, Path(job.export), report)
     from render.blender.frames import render_frames
 
     return render_frames(job, report)

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
+
+
+def triple(numbers: Iterable[float]) -> Vector:
+    """Three numbers as a vector."""
+    x, y, z = numbers
+    return (x, y, z)
 
 
 def z_up(vector: Sequence[float]) -> Vector:

@@ -9,7 +9,7 @@ from typing import Any
 from mathutils import Matrix
 
 from render.blender.session import bpy
-from render.content.axes import Vector, z_up
+from render.content.axes import Vector, triple, z_up
 from render.content.framing import FULL_FRAME, View, rotation_matrix
 from render.content.motion import PLACE, blur
 
@@ -69,4 +69,4 @@ class Camera:
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
-    return tuple(p - q for p, q in zip(a, b, strict=True))
+    return triple(p - q for p, q in zip(a, b, strict=True))

@@ -6,8 +6,9 @@ import bisect
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from render.content.axes import Vector, z_up
+from render.content.axes import Vector, triple, z_up
 from render.inputs import Box
 
 FULL_FRAME = 0.036
@@ -71,20 +72,22 @@ def frame_box(
     return View(_sum(target, _scaled(back, distance)), target, width_angle, height_angle)
 
 
-def view_of(camera: object, box: Box | None, resolution: tuple[int, int], time: float = 0.0) -> View:
+def view_of(camera: Any, box: Box | None, resolution: tuple[int, int], time: float = 0.0) -> View:
     """The view that the camera's settings ask for at a time [s]; `box` may be None for a placed camera."""
     field_of_view = camera.field_of_view
     if camera.focal_length is not None:
         field_of_view = math.degrees(2 * math.atan(FULL_FRAME / 2 / camera.focal_length))
     if camera.keyframes:
-        position, target, (field_of_view,) = _moved(camera.keyframes, field_of_view, time)
+        position, target, field_of_view = _moved(camera.keyframes, field_of_view, time)
         return View(z_up(position), z_up(target), *angles(resolution, field_of_view))
     if camera.position is not None:
         return View(z_up(camera.position), z_up(camera.target), *angles(resolution, field_of_view))
+    if box is None:
+        raise TypeError("a camera that is not placed needs a box to frame")
     return frame_box(box, direction(camera.azimuth, camera.elevation), resolution, field_of_view, camera.margin)
 
 
-def _moved(keyframes: Sequence[object], field_of_view: float, time: float) -> list[tuple[float, ...]]:
+def _moved(keyframes: Sequence[Any], field_of_view: float, time: float) -> tuple[Vector, Vector, float]:
     """Position, target and field of view between keyframes: a cubic Hermite curve through them whose slopes are those
     of Catmull & Rom 1974, and zero at both ends, so that the camera sets off and comes to rest softly."""
     times = [key.at for key in keyframes]
@@ -96,19 +99,22 @@ def _moved(keyframes: Sequence[object], field_of_view: float, time: float) -> li
     square, cube = share**2, share**3
     values = [(*key.position, *key.target, key.field_of_view or field_of_view) for key in keyframes]
 
-    def slope(index: int) -> tuple[float, ...]:
+    def slope(channel: Sequence[float], index: int) -> float:
         if index in (0, len(times) - 1):
-            return (0.0,) * 7
+            return 0.0
         interval = times[index + 1] - times[index - 1]
-        return _scaled(_minus(values[index + 1], values[index - 1]), 1 / interval)
+        return (channel[index + 1] - channel[index - 1]) * (1 / interval)
 
-    found = _sum(
-        _scaled(values[start], 2 * cube - 3 * square + 1),
-        _scaled(slope(start), length * (cube - 2 * square + share)),
-        _scaled(values[end], 3 * square - 2 * cube),
-        _scaled(slope(end), length * (cube - square)),
-    )
-    return [found[:3], found[3:6], found[6:]]
+    def between(channel: Sequence[float]) -> float:
+        return (
+            channel[start] * (2 * cube - 3 * square + 1)
+            + slope(channel, start) * (length * (cube - 2 * square + share))
+            + channel[end] * (3 * square - 2 * cube)
+            + slope(channel, end) * (length * (cube - square))
+        )
+
+    found = [between(channel) for channel in zip(*values, strict=True)]
+    return triple(found[:3]), triple(found[3:6]), found[6]
 
 
 def _axes(back: Vector) -> tuple[Vector, Vector, Vector]:
@@ -123,7 +129,8 @@ def _axes(back: Vector) -> tuple[Vector, Vector, Vector]:
 def rotation_matrix(toward: Vector) -> tuple[Vector, Vector, Vector]:
     """Rows of the rotation that turns a camera or lamp to face away from `toward`."""
     right, up, back = _axes(toward)
-    return tuple(zip(right, up, back, strict=True))
+    x, y, z = zip(right, up, back, strict=True)
+    return x, y, z
 
 
 def _dot(a: Vector, b: Vector) -> float:
@@ -135,12 +142,12 @@ def _cross(a: Vector, b: Vector) -> Vector:
 
 
 def _minus(a: Vector, b: Vector) -> Vector:
-    return tuple(p - q for p, q in zip(a, b, strict=True))
+    return triple(p - q for p, q in zip(a, b, strict=True))
 
 
 def _scaled(a: Vector, factor: float) -> Vector:
-    return tuple(factor * p for p in a)
+    return triple(factor * p for p in a)
 
 
 def _sum(*vectors: Vector) -> Vector:
-    return tuple(map(sum, zip(*vectors, strict=True)))
+    return triple(map(sum, zip(*vectors, strict=True)))

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from render.blender.session import bpy
-from render.content.axes import Vector, z_up
+from render.content.axes import Vector, triple, z_up
 from render.content.camera import face
 from render.content.framing import direction
 from render.content.nodes import rgba
@@ -32,7 +32,7 @@ def _add_area(name: str, settings: Any) -> None:
     lamp.energy = settings.power
     lamp.size = settings.size
     position, target = z_up(settings.position), z_up(settings.target)
-    toward = tuple(p - q for p, q in zip(position, target, strict=True))
+    toward = triple(p - q for p, q in zip(position, target, strict=True))
     _add(name, lamp, settings.color, position, toward)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from render.blender.session import bpy
@@ -21,7 +21,8 @@ TINT = "tint"
 
 def rgba(color: Sequence[float]) -> tuple[float, float, float, float]:
     """An sRGB colour of the settings as linear light with full opacity."""
-    return (*(_linear(channel) for channel in color), 1.0)
+    red, green, blue = (_linear(channel) for channel in color)
+    return (red, green, blue, 1.0)
 
 
 def _linear(channel: float) -> float:
@@ -41,7 +42,7 @@ class Graph:
         owner.node_tree.nodes.clear()
         return cls(owner.node_tree)
 
-    def node(self, kind: str, inputs: dict[str | int, Any] | None = None, **properties: Any) -> Any:
+    def node(self, kind: str, inputs: Mapping[str, Any] | Mapping[int, Any] | None = None, **properties: Any) -> Any:
         """Add a node; inputs are named, or numbered where names repeat."""
         node = self.tree.nodes.new(f"ShaderNode{kind}")
         for name, value in properties.items():

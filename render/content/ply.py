@@ -11,6 +11,7 @@ from typing import Any
 
 from render.errors import Unusable
 
+np: Any
 try:
     import numpy as np
 except ImportError:  # an installed Blender may come without
@@ -70,7 +71,7 @@ def _read(path: Path, wanted: list[str]) -> TriangleMesh:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise Unusable(f"can not read {path}: {error.strerror}") from error
+        raise Unusable(f"cannot read {path}: {error.strerror}") from error
     try:
         elements, start = _header(data, wanted)
         columns, triangles = _read_numpy(data, elements, start) if np else _read_struct(data, elements, start)
@@ -108,7 +109,7 @@ def _read_numpy(data: bytes, elements: list[_Element], start: int) -> tuple[dict
         dtype = np.dtype([(name, "<" + code) for name, code in element.scalars])
         tables.append(np.frombuffer(data, dtype, element.count, start))
         start += element.count * dtype.itemsize
-    columns = {name: tables[0][name] for name in tables[0].dtype.names}
+    columns = {name: tables[0][name] for name, _ in elements[0].scalars}
     if len(tables) == 1:
         return columns, np.empty(0, np.int32)
     faces = tables[1]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from render.blender.session import bpy
-from render.content.axes import z_up
+from render.content.axes import triple, z_up
 from render.content.bodies import Body
 from render.content.camera import Camera
 from render.content.containers import add_container, wall_thickness
@@ -31,7 +31,7 @@ SUNK_BESIDE_CLOTH = 0.5
 class Scene:
     """Everything that is in the picture.
 
-    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that can not be drawn.
+    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that cannot be drawn.
     """
 
     def __init__(self, settings: Any, inputs: Inputs, fps: float):
@@ -52,8 +52,9 @@ class Scene:
         if self.inputs.surface is not None:
             paths["water"] = self.inputs.water(frame)
         meshes = {name: read_mesh(path) if path else None for name, path in paths.items()}
-        if self._foam is not None:
-            meshes["foam"] = read_cloud(self.inputs.bubbles(frame))
+        bubbles = self.inputs.bubbles(frame)
+        if bubbles is not None:
+            meshes["foam"] = read_cloud(bubbles)
         return meshes
 
     def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
@@ -64,11 +65,14 @@ class Scene:
             body.show(poses.get(name), frame, exposure, self.fps)
         for name, (thing, material) in self._moving_meshes.items():
             source = meshes[name]
-            thing.hide_render = source is None or len(source.triangles) == 0
-            if not thing.hide_render:
+            if source is None or len(source.triangles) == 0:
+                thing.hide_render = True
+            else:
+                thing.hide_render = False
                 replace_mesh(thing, build_mesh(name, source), material)
-        if self._foam is not None:
-            self._foam.show(meshes["foam"])
+        foam = meshes.get("foam")
+        if self._foam is not None and foam is not None:
+            self._foam.show(foam)
         bpy.context.scene.frame_set(frame)
 
     def key(self, frame: int, poses: dict[str, Pose]) -> None:
@@ -142,7 +146,7 @@ def _bounds(source: TriangleMesh) -> Box:
     if source.vertex_count() == 0:
         raise Unusable("a body or container has a mesh without vertices")
     low, high = (z_up([float(bound(column)) for column in columns]) for bound in (min_of, max_of))
-    return Box(tuple(map(min, low, high)), tuple(map(max, low, high)))
+    return Box(triple(map(min, low, high)), triple(map(max, low, high)))
 
 
 def plain(data: Any) -> Any:

@@ -112,7 +112,10 @@ def _given(data: Any, setting: Location) -> Iterator[Location]:
 
 def _value(whole: Any, path: Location) -> Any:
     for part in path:
-        whole = whole[part] if isinstance(whole, Mapping | Sequence) else getattr(whole, str(part))
+        if isinstance(whole, Mapping):
+            whole = whole[part]
+        else:
+            whole = whole[int(part)] if isinstance(whole, Sequence) else getattr(whole, str(part))
     return whole
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from scene.events import apply
 from scene.settings import Refused
+from sim.cloth.spec import Cloth
 from sim.rigid.spec import RigidBody
 from sim.spec import BoxContainer, Event, SimulationSpec
 
@@ -41,7 +42,7 @@ def _refuse_settings(spec: SimulationSpec) -> None:
             message = "a mesh container without fluid or dynamic bodies holds nothing"
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
     if spec.cloth is not None:
-        _refuse_meetings(spec)
+        _refuse_meetings(spec, spec.cloth)
     for name, probe in spec.probes.items():
         if probe.type in ("vertex", "pin_force"):
             continue
@@ -50,7 +51,7 @@ def _refuse_settings(spec: SimulationSpec) -> None:
             raise Refused(message, location=("probes", name), remedy="remove it")
         if probe.type == "force" and probe.region and _is_dynamic(spec, probe.body):
             raise Refused(
-                f"the force on a part of '{probe.body}' can not be measured, which obeys forces",
+                f"the force on a part of '{probe.body}' cannot be measured, which obeys forces",
                 location=("probes", name, "region"),
                 remedy="leave it out, or use a body with motion: static or prescribed",
             )
@@ -87,7 +88,7 @@ def _refuse_jumps(before: SimulationSpec, after: SimulationSpec, index: int) -> 
         earlier = bodies.get(name, body)
         if "prescribed" in (earlier.motion, body.motion) and _path(earlier) != _path(body):
             raise Refused(
-                f"the motion of '{name}' can not be changed by an event",
+                f"the motion of '{name}' cannot be changed by an event",
                 location=("events", index),
                 remedy="give all of it as keyframes from the start",
             )
@@ -106,7 +107,7 @@ def _refuse_beginnings(before: SimulationSpec, after: SimulationSpec, event: Eve
                 path = f"{group}.{field}.{name}"
                 given = [key for key in event.set if f"{key}.".startswith(f"{path}.")]
                 raise Refused(
-                    f"'{name}' is there already: how it begins can not be changed by an event",
+                    f"'{name}' is there already: how it begins cannot be changed by an event",
                     location=("events", index, "set", given[0]) if given else ("events", index),
                     remedy="remove it and add another, or let forces, pins or gravity move it",
                 )
@@ -126,7 +127,7 @@ def _path(body: RigidBody) -> tuple[Any, ...]:
     return (*shape, body.motion, body.velocity, body.angular_velocity, body.start, body.keyframes)
 
 
-def _refuse_meetings(spec: SimulationSpec) -> None:
+def _refuse_meetings(spec: SimulationSpec, cloth: Cloth) -> None:
     """What cloth does not meet yet."""
     if spec.fluid is not None and spec.fluid.solver == "pcisph":
         message = "cloth meets fluid with dfsph, iisph and wcsph only, not with pcisph"
@@ -134,8 +135,8 @@ def _refuse_meetings(spec: SimulationSpec) -> None:
     if spec.fluid is not None and spec.fluid.viscosity_solver == "implicit":
         message = "cloth does not meet fluid whose viscosity is implicit yet"
         raise Refused(message, location=("fluid", "viscosity_solver"), remedy="use fluid.viscosity_solver: explicit")
-    if spec.fluid is not None and spec.cloth.integrator != "implicit_euler":
-        message = f"cloth meets fluid with implicit_euler only, not with {spec.cloth.integrator} yet"
+    if spec.fluid is not None and cloth.integrator != "implicit_euler":
+        message = f"cloth meets fluid with implicit_euler only, not with {cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
 
 

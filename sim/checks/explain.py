@@ -155,7 +155,7 @@ def _droppable(spec: SimulationSpec, world: World, duration: float) -> Iterator[
     if spec.cloth is not None and spec.cloth.air is not None and not any(spec.cloth.air.wind):
         yield from _idle_air(spec, world, gravity, duration)
     if spec.fluid is not None and world.sheets and not _meet(spec, world, gravity, duration):
-        yield Line("cloth and fluid", f"can not meet within {duration:g} s: two scenes would cost less")
+        yield Line("cloth and fluid", f"cannot meet within {duration:g} s: two scenes would cost less")
 
 
 def _idle_fluid_terms(spec: SimulationSpec, gravity: float, drop: float) -> Iterator[Line]:

@@ -30,7 +30,7 @@ class Preview:
 
 
 def preview(spec: SimulationSpec, folder: Path) -> Preview:
-    """What the scene holds at the start, and what a run would warn of; raises Refused for what can not be simulated."""
+    """What the scene holds at the start, and what a run would warn of; raises Refused for what cannot be simulated."""
     worlds, coming = [], []
     for index, event in enumerate(spec.events):
         then = spec_at(spec, event.at)

@@ -3,6 +3,8 @@
 Only `sim.coupling` and `sim.run` import it.
 """
 
+from typing import Any
+
 from common.registry import load
 
 MATERIALS = ("cloth",)
@@ -15,6 +17,6 @@ INTEGRATORS = {
 """By the name they have in a scene."""
 
 
-def load_integrator(name: str) -> type:
+def load_integrator(name: str) -> type[Any]:
     """The class of an integrator; only the chosen one is imported."""
     return load(INTEGRATORS[name])

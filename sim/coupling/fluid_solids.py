@@ -1,4 +1,4 @@
-"""What the fluid meets of solids: their shapes, how they move, and where it can not start."""
+"""What the fluid meets of solids: their shapes, how they move, and where it cannot start."""
 
 from __future__ import annotations
 

@@ -55,13 +55,13 @@ class Together:
             part.revert(dt)
 
     def commit(self, dt: float) -> dict[str, float]:
-        stats = {}
+        stats: dict[str, float] = {}
         for part in self.parts:
             stats |= part.commit(dt)
         return stats
 
     def drift(self, dt: float) -> dict[str, float]:
-        stats = {}
+        stats: dict[str, float] = {}
         for part in self.parts:
             stats |= part.drift(dt)
         return stats

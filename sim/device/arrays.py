@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import taichi as ti
@@ -15,16 +15,16 @@ numpy_real = np.float64 if precision.chosen == "double" else np.float32
 
 vec2i = ti.types.vector(2, ti.i32)
 vec2 = ti.types.vector(2, real)
-vec3 = ti.types.vector(3, real)
+vec3: Any = ti.types.vector(3, real)
 vec4 = ti.types.vector(4, real)
 mat3 = ti.types.matrix(3, 3, real)
 
-Vec4Array = ti.types.ndarray(dtype=vec4, ndim=1)
-Vec2iArray = ti.types.ndarray(dtype=vec2i, ndim=1)
-RealArray = ti.types.ndarray(dtype=real, ndim=1)
-IntArray = ti.types.ndarray(dtype=ti.i32, ndim=1)
+Vec4Array: Any = ti.types.ndarray(dtype=vec4, ndim=1)
+Vec2iArray: Any = ti.types.ndarray(dtype=vec2i, ndim=1)
+RealArray: Any = ti.types.ndarray(dtype=real, ndim=1)
+IntArray: Any = ti.types.ndarray(dtype=ti.i32, ndim=1)
 IntTable = ti.types.ndarray(dtype=ti.i32, ndim=2)
-DoubleTable = ti.types.ndarray(dtype=ti.f64, ndim=2)
+DoubleTable: Any = ti.types.ndarray(dtype=ti.f64, ndim=2)
 
 GROWTH = 1.25
 """Arrays that are too short are made this much longer than needed."""
@@ -59,6 +59,10 @@ class Particles:
 
     Raises ValueError where two declare the same name: each would write into what the other keeps.
     """
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
     def __init__(self, declared: Sequence[Declared], count: int):
         self.declared = tuple(declared)

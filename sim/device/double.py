@@ -4,13 +4,15 @@ Constants in kernels have to be exact in single precision, and sums have to begi
 `0.0` for a number of single precision.
 """
 
+from typing import Any
+
 import taichi as ti
 
 vec2 = ti.types.vector(2, ti.f64)
-vec3 = ti.types.vector(3, ti.f64)
+vec3: Any = ti.types.vector(3, ti.f64)
 vec4 = ti.types.vector(4, ti.f64)
 vec5 = ti.types.vector(5, ti.f64)
-mat3 = ti.types.matrix(3, 3, ti.f64)
+mat3: Any = ti.types.matrix(3, 3, ti.f64)
 
 Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)
 Integers = ti.types.ndarray(dtype=ti.i32, ndim=1)

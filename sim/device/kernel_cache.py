@@ -11,7 +11,7 @@ from scene.settings import Refused
 
 
 def folder() -> str:
-    """A folder that Taichi can keep compiled kernels in, its own if it can: it crashes at the end where it can not.
+    """A folder that Taichi can keep compiled kernels in, its own if it can: it crashes at the end where it cannot.
 
     Raises Refused.
     """

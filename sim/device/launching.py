@@ -75,7 +75,7 @@ def _keep(key: tuple, packed: Packed) -> None:
 
 
 def _key(kernel: Any, args: tuple) -> tuple | None:
-    """What has to be the same for a call to be launched again; None where that can not be told."""
+    """What has to be the same for a call to be launched again; None where that cannot be told."""
     kinds = _kinds(kernel)
     if kinds is None or len(kinds) != len(args):
         return None

@@ -3,6 +3,8 @@
 Only `sim.coupling`, `sim.run` and `sim.foam` import it.
 """
 
+from typing import Any
+
 from common.registry import added, load
 
 MATERIALS = ("fluid",)
@@ -16,6 +18,6 @@ SOLVERS = {
 """Pressure solvers by the name they have in a scene, beside those of installed packages."""
 
 
-def load_solver(name: str) -> type:
+def load_solver(name: str) -> type[Any]:
     """The class of a pressure solver; only the chosen one is imported."""
     return load(SOLVERS[name] if name in SOLVERS else added("solvers")[name].IMPLEMENTATION)

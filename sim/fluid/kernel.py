@@ -65,7 +65,7 @@ def halfspace_volume(q: real) -> real:
     return ti.select(q < 0.0, 1.0 - volume, volume)
 
 
-def cubic_host(r: np.ndarray, h: float) -> np.ndarray:
+def cubic_host(r: float | np.ndarray, h: float) -> np.ndarray:
     """W(r) [1/m^3] on the host, in double precision."""
     q = np.asarray(r, dtype=float) / h
     rest = np.clip(1.0 - q, 0.0, None)
@@ -79,14 +79,14 @@ def cubic_slope_host(r: np.ndarray, h: float) -> np.ndarray:
     return 8.0 / (math.pi * h**5) * np.where(q < 0.5, 18.0 * q - 12.0, -6.0 * rest**2 / np.maximum(q, 0.5))
 
 
-def halfspace_area_host(q: np.ndarray) -> np.ndarray:
+def halfspace_area_host(q: float | np.ndarray) -> np.ndarray:
     """`halfspace_area` on the host, in double precision."""
     s = np.minimum(np.abs(q), 1.0)
     near = 1.4 + s * s * (-8.0 + s * s * (24.0 - 19.2 * s))
     return np.where(s < 0.5, near, (1.0 - s) ** 4 * (8.0 - 6.4 * (1.0 - s)))
 
 
-def halfspace_volume_host(q: np.ndarray) -> np.ndarray:
+def halfspace_volume_host(q: float | np.ndarray) -> np.ndarray:
     """`halfspace_volume` on the host, in double precision."""
     s = np.minimum(np.abs(q), 1.0)
     near = 0.5 - s * (1.4 + s * s * (-8.0 / 3.0 + s * s * (4.8 - 3.2 * s)))

@@ -212,7 +212,7 @@ class Fluid(Settings):
     """Outlets through which fluid comes in, by name."""
     drains: dict[Name, Drain] = {}
     """Volumes in which fluid vanishes, by name."""
-    solver: Literal[(*SOLVERS, *names("solvers"))] = "wcsph"  # type: ignore[valid-type]
+    solver: Literal[(*SOLVERS, *names("solvers"))] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
     rest_density: Density = 1000.0
@@ -247,7 +247,7 @@ class Fluid(Settings):
     """Settings of forces and solvers that installed packages add, by their names; a force acts where it is named."""
 
     @property
-    def solver_settings(self) -> Settings:
+    def solver_settings(self) -> Any:
         """Those of the chosen solver."""
         if self.solver in type(self).model_fields:
             return getattr(self, self.solver)

@@ -1,4 +1,4 @@
-"""Rigid bodies, which spray, foam and bubbles can not enter."""
+"""Rigid bodies, which spray, foam and bubbles cannot enter."""
 
 from __future__ import annotations
 

@@ -41,8 +41,8 @@ def cached(
 
     Calls are equal when the function's name, its arguments (JSON), the bytes of its arrays, the content of
     the source files and the versions of the packages are. Entries are written whole or not at all, so
-    that processes may share the folder; one that can not be read is computed and written again. A folder
-    that can not be written to costs time, never the run.
+    that processes may share the folder; one that cannot be read is computed and written again. A folder
+    that cannot be written to costs time, never the run.
     """
     entry = folder() / f"{function}-{_key(function, arguments, arrays, sources, packages)}.npz"
     stored = _read(entry)
@@ -101,7 +101,7 @@ def _write(entry: Path, result: Arrays) -> None:
 @functools.cache
 def _warn_once(where: str, reason: str) -> None:
     warnings.warn(
-        f"the cache {where} can not be written to ({reason}): meshes are repaired and sampled anew in every run. "
+        f"the cache {where} cannot be written to ({reason}): meshes are repaired and sampled anew in every run. "
         "Set TIDEMILL_CACHE to a writable folder",
         stacklevel=4,
     )

@@ -60,7 +60,7 @@ def place(shape, placement: Placement, folder: Path) -> Solid:
     """The solid of any shape of `sim.geometry.spec`, scaled, turned and moved as `placement` says.
 
     `folder` is the scene's, from which mesh files are looked up. Raises `Refused`, located at `shape.file`, for a
-    mesh that is missing or can not be made a solid.
+    mesh that is missing or cannot be made a solid.
     """
     pose = Pose.of(placement)
     match shape:
@@ -137,7 +137,7 @@ def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[t
     it already is where `repair` is off. Without, as for cloth, it is only cleaned of equal vertices and faces without
     area.
 
-    Raises `Refused` for a file that can not be read as triangles or whose mesh can not be used.
+    Raises `Refused` for a file that cannot be read as triangles or whose mesh cannot be used.
     """
     from sim.geometry.meshes.formats import read
     from sim.geometry.meshes.topology import Topology, cleaned, signed_volume

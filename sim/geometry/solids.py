@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -46,7 +47,7 @@ class Pose:
         return (np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.position) @ self.rotation / self.scale
 
 
-def rotation_matrix(turns: tuple[Rotation, ...]) -> np.ndarray:
+def rotation_matrix(turns: Sequence[Rotation]) -> np.ndarray:
     """Proper rotation that applies the turns in the order given (Rodrigues' formula), shape [3, 3]."""
     matrix = np.eye(3)
     for turn in turns:

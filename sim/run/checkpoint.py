@@ -202,7 +202,7 @@ def _damaged(path: Path, reason: str) -> Refused:
 
 
 def _layout(spec: SimulationSpec) -> dict[str, Any]:
-    """Settings that a state can not change."""
+    """Settings that a state cannot change."""
     layout: dict[str, Any] = {"fps": spec.fps}
     if spec.precision != "single":
         layout["precision"] = spec.precision

@@ -1,4 +1,4 @@
-"""When a step can not be trusted, and what is said then."""
+"""When a step cannot be trusted, and what is said then."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Fault:
 
 
 class Stopped(Exception):
-    """The run can not go on; the process exits with 3, keeps the last good state and writes `report`."""
+    """The run cannot go on; the process exits with 3, keeps the last good state and writes `report`."""
 
     def __init__(self, report: dict[str, Any]):
         super().__init__(report["detected"])

@@ -48,7 +48,7 @@ LONGEST_STEP = 1.0
 class Run:
     """A simulation, frame by frame; `spec` holds the events up to its end.
 
-    Raises Refused for a scene that can not be built.
+    Raises Refused for a scene that cannot be built.
     """
 
     def __init__(

@@ -65,7 +65,7 @@ def test_bad_values_are_refused_with_the_message_of_the_file_and_nothing_changes
     stage.until(lambda session: session.status.frame >= 1 and session.status.mode == "paused")
     assert len(stage.problems) == 8, stage.problems
     text = "\n".join(stage.problems)
-    for words in ("did you mean", "can not change during", "there is no body named 'nobody'", "body named 'box'"):
+    for words in ("did you mean", "cannot change during", "there is no body named 'nobody'", "body named 'box'"):
         assert words in text, words
     assert session.spec == load(session.script.scene.path).simulation
     assert session._simulation.spec.events == ()

@@ -1,4 +1,4 @@
-"""What someone reads who asks for something that can not be made."""
+"""What someone reads who asks for something that cannot be made."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def test_a_frame_that_is_repeated_emits_no_more(simulate, monkeypatch, solver):
 
 @pytest.mark.outcome("A")
 def test_a_full_box_takes_no_more(simulate, capfd):
-    """Its room is 1000 particles; what the outlet can not send is counted, said once, and the fluid comes to rest."""
+    """Its room is 1000 particles; what the outlet cannot send is counted, said once, and the fluid comes to rest."""
     d = 0.02
     data = {
         "fps": 20,

@@ -1,4 +1,4 @@
-"""Runs with rigid bodies: the same bytes again, resumed and after events; what can not be simulated is refused."""
+"""Runs with rigid bodies: the same bytes again, resumed and after events; what cannot be simulated is refused."""
 
 from __future__ import annotations
 

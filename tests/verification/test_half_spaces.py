@@ -289,7 +289,7 @@ def crumpled(deep, wave):
 def test_in_the_valleys_of_a_scan_the_surface_is_as_near_as_it_is(tmp_path, deep, wave):
     """Or a particle would go on into it until nodes see it that are nearer, and be shot out: that stopped a film.
 
-    To d / 4, half a cell: that much of a valley nodes can not tell.
+    To d / 4, half a cell: that much of a valley nodes cannot tell.
     """
     from sim.geometry.distance.closest_points import MeshDistance
     from sim.geometry.meshes.winding import WindingNumber

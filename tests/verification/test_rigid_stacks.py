@@ -1,4 +1,4 @@
-"""What stands goes on standing, and what can not stand falls."""
+"""What stands goes on standing, and what cannot stand falls."""
 
 from __future__ import annotations
 

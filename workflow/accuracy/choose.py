@@ -105,4 +105,5 @@ def _rounded_up(value: float) -> str:
 def _reason(material: str, point: Measured) -> str:
     settings = [f"{path} {value}" for path, value in point.chosen.items()]
     settings += [f"{value:.3g} spacings across" for path, value in point.fineness.items() if is_spacing(path)]
-    return f"{material}: {100 * point.error:.2g} % in study {point.study} with {', '.join(settings)}"
+    error = math.inf if point.error is None else point.error
+    return f"{material}: {100 * error:.2g} % in study {point.study} with {', '.join(settings)}"

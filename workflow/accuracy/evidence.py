@@ -85,7 +85,7 @@ def least_error(points: Sequence[Measured]) -> float:
 
 def _worst(point: Measured, points: Iterable[Measured]) -> float:
     errors = [other.error for other in points if other.finer(point)]
-    return float("inf") if None in errors else max(errors)
+    return max(float("inf") if error is None else error for error in errors)
 
 
 def _points(loaded: LoadedStudy) -> Iterable[Measured]:

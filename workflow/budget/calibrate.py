@@ -43,10 +43,10 @@ class Calibration:
         scenes = [self._presets.at(detail) for detail in self._details()]
         pilots = [Pilot(scene, self._made(f"pilot_{k}"), self._threads) for k, scene in enumerate(scenes)]
         self._tell(f"pilots with {' and '.join(_told(scene) for scene in scenes)}")
-        flights = list(map(Flight, scenes, self._pool.map(Pilot.simulate, pilots)))
+        coarse, fine = map(Flight, scenes, self._pool.map(Pilot.simulate, pilots))
         surfaces = self._surfaces(*pilots) if scenes[1].simulation.fluid is not None else None
         self._tell("pictures of the pilot")
-        return Model(*flights, surfaces, self._pictures(pilots[1]))
+        return Model(coarse, fine, surfaces, self._pictures(pilots[1]))
 
     def probe(self, model: Model, scene: Scene) -> None:
         """Correct a model by what the first frame takes at a detail."""
@@ -87,9 +87,8 @@ class Calibration:
             (pilot, frame, settings) for pilot, settings in wanted for frame in _shown(pilot.scene)
         ]))  # fmt: skip
         count = len(SHOWN)
-        return Surfaces(
-            *(tuple(drawn[k : k + count]) for k in range(0, len(drawn), count)), (cubes[0], final.surface.cube_size)
-        )
+        of_coarse, of_fine, of_cubes = (tuple(drawn[k : k + count]) for k in range(0, len(drawn), count))
+        return Surfaces(of_coarse, of_fine, of_cubes, (cubes[0], final.surface.cube_size))
 
     def _pictures(self, pilot: Pilot) -> Pictures:
         standard = self._presets.at(1.0)

@@ -83,8 +83,8 @@ class Model:
     def simulate(self, scene: Scene) -> np.ndarray:
         """Seconds of stepping, shape [frames], of which a preset may have more than the pilot's."""
         done = np.concatenate([[0.0], np.cumsum(self._as_pilot(scene))])
-        times = (np.linspace(0.0, 1.0, count) for count in (scene.last_frame + 1, len(done)))
-        return np.diff(np.interp(*times, done))
+        wanted, known = (np.linspace(0.0, 1.0, count) for count in (scene.last_frame + 1, len(done)))
+        return np.diff(np.interp(wanted, known, done))
 
     def _as_pilot(self, scene: Scene) -> np.ndarray:
         """Seconds of stepping in each of the pilot's frames."""

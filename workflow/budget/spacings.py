@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from scene.load import Scene
+from sim.cloth.spec import ClothSheet
 from workflow.plan.memory import fluid_volume
 
 FLUID = "fluid.particle_radius"
@@ -37,9 +38,12 @@ def is_spacing(path: str) -> bool:
 def fineness_of_spacing(scene: Scene, path: str) -> float:
     """How many spacings go over the size of the fluid, or of the sheet of which `path` tells."""
     if path == FLUID:
-        return fluid_size(scene) / scene.simulation.fluid.spacing
+        return fluid_size(scene) / spacing(scene)
     name = path.split(".")[2]
-    return sheet_size(scene, name) / scene.simulation.cloth.sheets[name].spacing
+    found = _sheet(scene, name).spacing
+    if found is None:
+        raise ValueError(f"{name} has no spacing of its own")
+    return sheet_size(scene, name) / found
 
 
 def fluid_size(scene: Scene) -> float:
@@ -49,8 +53,17 @@ def fluid_size(scene: Scene) -> float:
 
 def sheet_size(scene: Scene, name: str) -> float:
     """The longer edge of a sheet [m]."""
-    shape = scene.simulation.cloth.sheets[name].shape
-    return max(shape.size)
+    size = _sheet(scene, name).shape.size
+    if not isinstance(size, tuple):
+        raise ValueError(f"{name} is a mesh, whose size is no edge")
+    return max(size)
+
+
+def _sheet(scene: Scene, name: str) -> ClothSheet:
+    cloth = scene.simulation.cloth
+    if cloth is None:
+        raise KeyError(name)
+    return cloth.sheets[name]
 
 
 def resolving(scene: Scene, fluid: float | None = None, cloth: float | None = None) -> dict[str, float]:
@@ -58,7 +71,7 @@ def resolving(scene: Scene, fluid: float | None = None, cloth: float | None = No
     found = {}
     if fluid is not None:
         found[FLUID] = fluid_size(scene) / fluid / 2
-    if cloth is not None:
+    if cloth is not None and scene.simulation.cloth is not None:
         for name, sheet in scene.simulation.cloth.sheets.items():
             if sheet.spacing:
                 found[f"{SHEETS}.{name}.spacing"] = sheet_size(scene, name) / cloth

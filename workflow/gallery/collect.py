@@ -106,7 +106,7 @@ def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as scratch:
         done = subprocess.run([sys.executable, "-m", "render", *words, "--out", scratch], input=settings, text=True)
         if done.returncode:
-            raise NotMade(f"frame {frame} of {plan.scene.name} can not be rendered")
+            raise NotMade(f"frame {frame} of {plan.scene.name} cannot be rendered")
         with Image.open(Path(scratch, f"{frame:05d}.png")) as picture:
             whole = picture.convert("RGB")
     write_whole(out, lambda partial: whole.save(partial, "JPEG", quality=STILL_QUALITY))

@@ -25,7 +25,7 @@ class Shot(Settings):
     says: str
     """What the scene does, in a sentence or two of Markdown."""
     seen: str
-    """What is seen, for those who can not see it."""
+    """What is seen, for those who cannot see it."""
     frame: Annotated[int, Ge(0)]
     """That the large picture shows."""
     quality: Quality | None = None
@@ -42,7 +42,7 @@ class Shots(Settings):
 
 
 def shots(root: Path) -> Shots:
-    """Those of a checkout; raises SceneError for a file that can not be used."""
+    """Those of a checkout; raises SceneError for a file that cannot be used."""
     from scene.document import SceneError
 
     document = read(root / FOLDER / "shots.yaml")

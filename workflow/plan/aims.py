@@ -25,6 +25,10 @@ class Aim(ABC):
     """What results are filed under."""
     example: ClassVar[str]
 
+    @abstractmethod
+    def __init__(self, text: Any, cores: int):
+        """From what `--config` gives; ends the process where that cannot be."""
+
     def scene(self, path: Path, name: str) -> Scene:
         """The scene at `path` as its film is made; every failure but SceneError ends the process with its message."""
         from workflow.budget.pilot import PilotFailed

@@ -1,4 +1,4 @@
-"""What is known of a film before it is made, and may not be what was meant, or can not be rendered: a camera in the
+"""What is known of a film before it is made, and may not be what was meant, or cannot be rendered: a camera in the
 water, changes that come after the end, a panorama that is no picture."""
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
 
 
 def refuse_panorama(scene: Scene) -> None:
-    """Raise Refused for a panorama that Blender can not read. Without the package bpy, rendering tells."""
+    """Raise Refused for a panorama that Blender cannot read. Without the package bpy, rendering tells."""
     file = scene.render.lights.environment.file
     if file is None or importlib.util.find_spec("bpy") is None:
         return
     if not _readable(assets.resolve(file, scene.folder)):
         location, remedy = ("render", "lights", "environment", "file"), "save it as .hdr or .exr again"
-        raise Refused(f"Blender can not read '{file}'", location=location, remedy=remedy)
+        raise Refused(f"Blender cannot read '{file}'", location=location, remedy=remedy)
 
 
 def _readable(panorama: Path) -> bool:
@@ -64,14 +64,14 @@ def _after_the_end(scene: Scene) -> Iterator[Caution]:
     for name, probe in scene.simulation.probes.items():
         for key in ("body", "sheet"):
             target = known.get(getattr(probe, key, ""))
-            if target and target.location[0] == "events" and scene.simulation.events[target.location[1]].at >= end:
+            if target and target.location[0] == "events" and scene.simulation.events[int(target.location[1])].at >= end:
                 text = f"'{getattr(probe, key)}' is not there before the film ends at {end:g} s: remove the probe"
                 yield Caution(text, ("probes", name, key))
 
 
 def _begins(body: Any) -> tuple[float, str] | None:
     """When something that works for a part of the time begins [s], and the setting that says so."""
-    keyframes = getattr(body, "keyframes", ())
+    keyframes: tuple[Any, ...] = getattr(body, "keyframes", ())
     if len(keyframes) > 1:
         return keyframes[0].at, "keyframes"
     start = getattr(body, "start", None)
@@ -90,7 +90,7 @@ def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:
         if item.solid.closed and not item.hollow and item.solid.contains(place[None])[0]:
             yield Caution(f"the camera begins inside '{item.name}': move it out", location)
     fluid = scene.simulation.fluid
-    if len(found.points) and cKDTree(found.points).query(place)[0] < fluid.spacing:
+    if fluid is not None and len(found.points) and cKDTree(found.points).query(place)[0] < fluid.spacing:
         yield Caution("the camera begins under water: move it out, if that is not meant", location)
     ground = _ground(scene, found)
     if place[1] < ground:
@@ -101,8 +101,10 @@ def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:
 def _ground(scene: Scene, found: Preview) -> float:
     """Height of the ground that is drawn [m]; nowhere without one, or where things may fall for who knows how far."""
     ground = scene.render.ground
-    if not ground.enabled or ground.height is not None:
-        return ground.height if ground.enabled else -np.inf
+    if not ground.enabled:
+        return -np.inf
+    if ground.height is not None:
+        return ground.height
     found_there = filmed(found.world)
     height = found_there["ground"]["height"]
     if height is None and any(wall.normal[1] > LEVEL for wall in found.world.obstacles.walls):

@@ -241,7 +241,7 @@ def _render_spec(scene: Scene) -> str:
 def _files(spec: SimulationSpec) -> set[str]:
     """Files that the simulation reads, as the scene names them."""
     shapes = (getattr(body, "shape", None) for _, body in spec.placements())
-    return {shape.file for shape in shapes if hasattr(shape, "file")}
+    return {shape.file for shape in shapes if shape is not None and hasattr(shape, "file")}
 
 
 def _assets(digests: Mapping[str, str], wanted: set[str]) -> str:

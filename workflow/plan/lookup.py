@@ -56,7 +56,7 @@ class JobLookup(ABC):
                 try:
                     write_spec(spec)
                 except OSError as error:
-                    stop(f"{error.filename}: can not be written: {error.strerror}")
+                    stop(f"{error.filename}: cannot be written: {error.strerror}")
             return spec_file(spec)
 
         return file

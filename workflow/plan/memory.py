@@ -67,7 +67,7 @@ def _rate(emitter: Emitter) -> float:
             area = math.prod(emitter.shape.size)
         case _:
             area = (emitter.shape.size or UNKNOWN_SIZE) ** 2
-    return area * emitter.scale**2 * emitter.speed
+    return area * emitter.scale**2 * (emitter.speed or 0.0)
 
 
 def _volume(shape: Any) -> float:

@@ -33,6 +33,9 @@ class Frames:
     def __iter__(self) -> Iterator[int]:
         return iter(range(self.first, self.last + 1))
 
+    def __contains__(self, frame: object) -> bool:
+        return frame in range(self.first, self.last + 1)
+
     @classmethod
     def parse(cls, text: str) -> Frames:
         """The frames of the text A:B; raises ValueError."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Bodies:
-    """Those of some folders of one simulation; raises Refused where a table or a mesh can not be read."""
+    """Those of some folders of one simulation; raises Refused where a table or a mesh cannot be read."""
 
     def __init__(self, folders: Sequence[Path]):
         self._meshes = {path.stem.removeprefix("body_"): path for one in folders for path in one.glob("body_*.ply")}

@@ -4,7 +4,7 @@ It writes trials.csv (a row a simulation), points.csv (a row a combination of se
 medians of its repeats), work_precision.png and .svg, and summary.json. `snakemake studies/NAME`
 calls it.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from workflow.stages.stage import exit_code, refuse_spoiled
 from workflow.study import measure
 from workflow.study.plot import draw
 from workflow.study.points import Outcome, Point, front
-from workflow.study.spec import Study
+from workflow.study.spec import ByTrial, Study
 
 FIGURES = ("steps", "particles", "triangles", "stepping_s", "simulated_s")
 
@@ -34,7 +34,7 @@ def report(spec: Mapping[str, Any], trials: Path, folder: Path, out: Path) -> li
     study = Study.model_validate(spec["study"])
     names = [name for name, _ in spec["trials"]] + ([spec["truth"]] if spec["truth"] else [])
     refuse_spoiled([part for name in names for part in (trials / name).glob("*")], "trial.json", *tables.TABLES)
-    if spec["truth"]:
+    if spec["truth"] or isinstance(study.reference, ByTrial):
         found = trials / spec["truth"] / "0"
         if _trial(found)["status"] != "done":
             raise Refused(
@@ -133,7 +133,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         unit = "s/s" if spec["study"].get("stage", "simulate") == "simulate" else "s/frame"
         for point in front(points):
             settings = ", ".join(f"{path} {value}" for path, value in point.chosen.items())
-            print(f"{100 * point.error:10.4g} %  {point.cost:10.4g} {unit}  {settings}")
+            cost, error = point.found
+            print(f"{100 * error:10.4g} %  {cost:10.4g} {unit}  {settings}")
 
     return exit_code(work, "study")
 

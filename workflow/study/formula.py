@@ -34,7 +34,7 @@ def evaluate(formula: Formula, names: Mapping[str, float] | None = None) -> floa
     except (Warning, InvalidExpression, SyntaxError, ArithmeticError, ValueError, TypeError, MemoryError) as error:
         known = ", ".join([*CONSTANTS, *(names or {})])
         raise Refused(
-            f"'{formula}' can not be computed: {error}",
+            f"'{formula}' cannot be computed: {error}",
             remedy=f"use numbers, + - * / **, the names {known}, and {', '.join(FUNCTIONS)}",
         ) from None
     if not math.isfinite(result):

@@ -150,7 +150,7 @@ def _read(path: Path) -> Curve:
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise Refused(f"can not be read: {error}", location=("file",), remedy="give a CSV file") from None
+        raise Refused(f"cannot be read: {error}", location=("file",), remedy="give a CSV file") from None
     rows = []
     for line in lines:
         try:
@@ -177,5 +177,5 @@ def error(quantity: Quantity, true: Truth, folder: Path) -> tuple[float | None, 
     kept = (true.times >= times[0] * (1 - 1e-9)) & (true.times <= end)
     if kept.sum() < 2:
         raise Refused("the simulation ends before its reference begins", location=("quantity",))
-    found = np.interp(true.times[kept], times, values)
-    return float(values[-1]), float(np.sqrt(np.mean((found - true.values[kept]) ** 2))) / true.scale
+    read = np.interp(true.times[kept], times, values)
+    return float(values[-1]), float(np.sqrt(np.mean((read - true.values[kept]) ** 2))) / true.scale

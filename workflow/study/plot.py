@@ -36,14 +36,16 @@ def draw(study: Study, points: Sequence[Point], name: str, folder: Path) -> None
         if point.error is not None and point.cost is not None:
             _point(ax, point, colors[_key(point, color)], shapes[_key(point, shape)])
     best = front(points)
-    ax.plot([p.cost for p in best], [_shown(p.error) for p in best], color="#333333", lw=1.4, alpha=0.7, zorder=1)
+    costs, errors = [p.found[0] for p in best], [_shown(p.found[1]) for p in best]
+    ax.plot(costs, errors, color="#333333", lw=1.4, alpha=0.7, zorder=1)
     ax.set(xscale="log", yscale="log")
     _failures(ax, points)
     for point in _labelled(best):
         text = ", ".join(_short(path, value) for path, value in point.chosen.items() if path not in (color, shape))
         if text:
-            place = {"xytext": (5, 5), "textcoords": "offset points"}
-            ax.annotate(text, (point.cost, _shown(point.error)), fontsize=7, color="#555555", **place)
+            cost, error = point.found
+            place: dict[str, Any] = {"xytext": (5, 5), "textcoords": "offset points"}
+            ax.annotate(text, (cost, _shown(error)), fontsize=7, color="#555555", **place)
     _frame(figure, ax, study, name)
     handles = _handles(color, colors, "color") + _handles(shape, shapes, "marker")
     handles.append(Line2D([], [], color="#333333", lw=1.4, alpha=0.7, label="no other is cheaper and better"))
@@ -78,12 +80,11 @@ def _shown(error: float) -> float:
 
 
 def _point(ax: Axes, point: Point, color: str, shape: str) -> None:
-    y, spread = _shown(point.error), [_shown(error) for error in point.errors]
-    across = [[point.cost - min(point.costs)], [max(point.costs) - point.cost]]
+    x, error = point.found
+    y, spread = _shown(error), [_shown(error) for error in point.errors]
+    across = [[x - min(point.costs)], [max(point.costs) - x]]
     along = [[y - min(spread)], [max(spread) - y]]
-    ax.errorbar(
-        [point.cost], [y], xerr=across, yerr=along, color=color, marker=shape, ms=7, mec="white", mew=0.6, elinewidth=1
-    )
+    ax.errorbar([x], [y], xerr=across, yerr=along, color=color, marker=shape, ms=7, mec="white", mew=0.6, elinewidth=1)
 
 
 def _failures(ax: Axes, points: Sequence[Point]) -> None:
@@ -115,12 +116,12 @@ def _frame(figure: Figure, ax: Axes, study: Study, name: str) -> None:
         few = low > 0 and math.log10(high / low) < FEW_POWERS
         axis.set_minor_locator(LogLocator(subs=BETWEEN if few else range(2, 10)))
         axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:.3g}") if few else NullFormatter())
-        ax.tick_params(axis=axis.axis_name, which="minor", labelsize=7)
+        axis.set_tick_params(which="minor", labelsize=7)
 
 
 def _handles(path: str | None, looks: dict[str, str], kind: str) -> list[Line2D]:
     if path is None:
         return []
     title = Line2D([], [], ls="", label=path)
-    base = {"ls": "", "marker": "o", "color": "#666666", "ms": 7}
+    base: dict[str, Any] = {"ls": "", "marker": "o", "color": "#666666", "ms": 7}
     return [title, *(Line2D([], [], **{**base, kind: look}, label=f"  {key}") for key, look in looks.items())]

@@ -39,6 +39,14 @@ class Point:
         return next((outcome.status for outcome in self.outcomes if outcome.status != "done"), "done")
 
     @property
+    def found(self) -> tuple[float, float]:
+        """Cost and error, of a point that has both."""
+        cost, error = self.cost, self.error
+        if cost is None or error is None:
+            raise ValueError(f"{self.name} has no cost, or no error")
+        return cost, error
+
+    @property
     def cost(self) -> float | None:
         """Median of `costs`; None where there are none."""
         costs = self.costs
@@ -65,7 +73,7 @@ def front(points: Iterable[Point]) -> list[Point]:
     """Points of which no other has both less error and less cost, by rising cost (Pareto)."""
     done = [point for point in points if point.error is not None and point.cost is not None]
     kept: list[Point] = []
-    for point in sorted(done, key=lambda point: (point.cost, point.error)):
-        if not kept or point.error < BETTER * kept[-1].error:
+    for point in sorted(done, key=lambda point: point.found):
+        if not kept or point.found[1] < BETTER * kept[-1].found[1]:
             kept.append(point)
     return kept

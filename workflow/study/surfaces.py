@@ -21,7 +21,7 @@ def measure(quantity: Quantity, folder: Path) -> float:
     mesh = trimesh.load_mesh(next(iter(sorted(folder.glob("surface_*.ply")))), process=False)
     if not len(mesh.faces):
         raise Refused("there is no surface", location=("frame",), remedy="choose a frame with particles")
-    if quantity.column == "distance":
+    if quantity.distance is not None:
         return _distance(quantity.distance, mesh.vertices)
     return float(mesh.volume if quantity.column == "volume" else mesh.area)
 

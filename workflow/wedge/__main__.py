@@ -3,7 +3,7 @@
 `snakemake wedges/NAME` calls it, for a scene with `wedge:`. table.csv has a row a film: the values,
 how it ended, particles, steps, warnings, and the wall seconds of each stage.
 
-exit codes: 0 done, 1 failed, 2 refused (settings or files can not be used as they are)
+exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
 """Nearest points of a point and a triangle, and of two edges."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.double import vec3, vec4
 
-Nearest = ti.types.struct(weight=vec4, apart=vec3)
+Nearest: Any = ti.types.struct(weight=vec4, apart=vec3)
 """Weights of the four points, positive for the point or the first edge; and the way there from the other side [m]."""
 
 

@@ -128,12 +128,12 @@ def _time(corner: np.ndarray, weight: np.ndarray, normal: np.ndarray, start: np.
 def _groups(triangles: np.ndarray, pairs: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Of all corners of triangles, one after the other, which share a normal: those of a point with no edge between."""
     size = triangles.size
-    ends = [
+    found = [
         3 * triangle + np.argmax(triangles[triangle] == point[:, None], axis=1)
         for point in edges.T
         for triangle in pairs.T
     ]
-    ends = np.array(ends).reshape(2, 2, -1)
+    ends = np.array(found).reshape(2, 2, -1)
     one, other = ends[:, 0].ravel(), ends[:, 1].ravel()
     return connected_components(coo_matrix((np.ones(len(one)), (one, other)), shape=(size, size)), directed=False)[1]
 

@@ -1,5 +1,7 @@
 """Where moving surfaces come near each other."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.contact.ccd import time_of_nearness
@@ -11,7 +13,7 @@ from sim.neighbors.box_tree import meet, next_node
 POINT, EDGE, PLANE = range(3)
 """Kinds of pairs; planes are numbered from PLANE on."""
 
-Hits = ti.types.argpack(
+Hits: Any = ti.types.argpack(
     corner=Integers,
     weight=Weights,
     toward=Vectors,

@@ -1,5 +1,7 @@
 """The angle between two triangles at their common edge."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.double import vec3
@@ -7,7 +9,7 @@ from sim.device.double import vec3
 FLAT = 1e-12
 """A triangle with less of this share of its edge's length squared is too thin to have a normal."""
 
-Hinge = ti.types.struct(angle=ti.f64, p=vec3, q=vec3, r=vec3, s=vec3)
+Hinge: Any = ti.types.struct(angle=ti.f64, p=vec3, q=vec3, r=vec3, s=vec3)
 """The angle [rad], 0 where flat, and its gradients by the ends p, q of the edge and by the third corners [1/m]."""
 
 

@@ -1,13 +1,15 @@
 """Sums over points, springs and hinges, in a fixed order."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.fabric.bending import fold, turned
 from sim.cloth.fabric.layout import ROWS, Angles, Points, Strands
 from sim.device.double import vec3
 
-vec5 = ti.types.vector(5, ti.f64)
-Rows = ti.types.ndarray(dtype=vec5, ndim=1)
+vec5: Any = ti.types.vector(5, ti.f64)
+Rows: Any = ti.types.ndarray(dtype=vec5, ndim=1)
 
 
 @ti.kernel

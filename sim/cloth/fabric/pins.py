@@ -53,7 +53,8 @@ def refuse_jump(sheet: str, lead: Lead, position: np.ndarray, size: float, time:
 
 def find_pins(sheet: ClothSheet, fabric: Fabric) -> tuple[np.ndarray, list[Lead]]:
     """Whether each point is held, and those of them that are led; raises Refused, located within the sheet."""
-    held, leads = np.zeros(len(fabric.points), bool), []
+    held = np.zeros(len(fabric.points), bool)
+    leads: list[Lead] = []
     for index, pin in enumerate(sheet.pins):
         pin = Pin(at=pin) if isinstance(pin, str) else pin
         points = fabric.sides[pin.at] if isinstance(pin.at, str) else _next_to(fabric, pin, index)

@@ -9,6 +9,8 @@ depends on lengths alone, so that turning is not damped. Second derivatives are 
 negative, so that every way found leads down.
 """
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.contact.augmented_lagrangian import on_body, slipping, touch_energy
@@ -22,7 +24,7 @@ NOW, DOWN, BEND, SHARE, LOW, HIGH, SLOPE_LOW, SLOPE_HIGH, SETTLED = range(9)
 """Scalars of conjugate gradients: r.z; along the course, p.r and p.Ap, how far to go, between which shares, the slopes
 at these, and whether that is settled."""
 
-Trial = ti.types.argpack(
+Trial: Any = ti.types.argpack(
     start=Vectors,
     aim=Vectors,
     base=Vectors,
@@ -33,7 +35,7 @@ Trial = ti.types.argpack(
 """Where points were, would go without springs, were tried before, and are tried [m]; lengths [m] and angles [rad]
 before the step."""
 
-Strain = ti.types.argpack(
+Strain: Any = ti.types.argpack(
     spring_normal=Vectors,
     spring_block=Vectors,
     moment=Numbers,
@@ -44,7 +46,7 @@ Strain = ti.types.argpack(
 """Springs: directions; stiffness along and across [N/m], tension [N]. Hinges: moments [N m], stiffness [N m], the four
 slopes of each [1/m]. Energies of all of them, of contacts and of points [J]."""
 
-System = ti.types.argpack(
+System: Any = ti.types.argpack(
     force=Vectors,
     force_before=Vectors,
     residual=Vectors,

@@ -1,5 +1,7 @@
 """Steps of symplectic Euler."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.contact.projection import keep_apart_alone
@@ -9,7 +11,7 @@ from sim.cloth.fabric.layout import Angles, Drag, Points, Strands, Touches, Way
 from sim.cloth.fabric.springs import line
 from sim.device.double import Numbers, Vectors, vec3
 
-Workspace = ti.types.argpack(
+Workspace: Any = ti.types.argpack(
     pull=Vectors,
     bending=Numbers,
     leaning=Vectors,

@@ -1,5 +1,7 @@
 """The parts of a substep of extended position-based dynamics."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.contact.projection import keep_apart_alone, mobility
@@ -9,7 +11,7 @@ from sim.cloth.fabric.layout import Angles, Drag, Points, Strands, Touches, Way
 from sim.cloth.fabric.springs import line
 from sim.device.double import Numbers, vec3
 
-Guess = ti.types.argpack(pulled=Numbers, bent=Numbers)
+Guess: Any = ti.types.argpack(pulled=Numbers, bent=Numbers)
 """Multipliers of springs and hinges."""
 
 

@@ -1,5 +1,7 @@
 """The sums of `sim.coupling.fluid_rigid.reaction` on the device, in a fixed order, on all threads."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4, vector
@@ -19,7 +21,7 @@ PARTS = 64
 RANGES = 64
 """Entries are sorted by body in so many ranges of particles side by side."""
 
-vec6d = ti.types.vector(6, ti.f64)
+vec6d: Any = ti.types.vector(6, ti.f64)
 
 
 @ti.func

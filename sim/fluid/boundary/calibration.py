@@ -84,7 +84,7 @@ def calibrate_wall(spacing: float, h: float) -> Wall:
         low, high = (q, high) if halfspace_volume_host(q) / halfspace_area_host(q) > ratio else (low, q)
     overlap = missing.density * (missing.edge**-0.5 - 1.0)
     along = missing.along / halfspace_volume_host(spacing / (2 * h))
-    return Wall(low * h, missing.density / halfspace_volume_host(low), overlap, along)
+    return Wall(low * h, float(missing.density / halfspace_volume_host(low)), overlap, float(along))
 
 
 def curvature_shift(spacing: float, h: float) -> tuple[float, float]:

@@ -21,7 +21,7 @@ SLIM_NARROW, SLIM_WIDE = 0.95, 1.15
 """The same of slim bodies."""
 WEDGE, INCLINED, STRAIGHT = 0.5, 0.9, 0.98
 """Cosines of the angle between two solids: from the first on what is between them lacks room, from the second it is
-led, and from the third it can not get out."""
+led, and from the third it cannot get out."""
 CENTRED, LEAD, LED = 0.2, 2.0, 0.15
 """A particle is led to the middle of a gap by this share of its way there in a step, or as fast as it would fall over
 so many spacings while it has to go one; and from so many spacings of slack on."""

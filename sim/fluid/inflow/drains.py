@@ -1,6 +1,7 @@
 """Volumes in which particles vanish."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,7 +44,7 @@ def find_sink(drain: Drain, fluid: Fluid, folder: Path, location: tuple[str | in
 class Drains:
     """The drains of a scene; origin: of the world [m]."""
 
-    def __init__(self, sinks: list[Sink], origin: np.ndarray):
+    def __init__(self, sinks: Sequence[Sink], origin: np.ndarray):
         self.sinks = sinks
         self.origin = origin
         self._found = ti.ndarray(ti.i32, 1024)

@@ -27,7 +27,7 @@ SCALE = 1 << 16
 """Shares are summed as whole numbers of this part, so that their sum does not depend on threads."""
 TIGHT = 1.05
 """A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
-can not give way."""
+cannot give way."""
 
 
 class Streams:

@@ -31,7 +31,7 @@ is a part of the force on it for some steps."""
 MOST_LOOKS = 5
 """At where particles are, to move them apart: what equations leave out falls by the square of the way."""
 LESS = 0.5
-"""A look that leaves more than this of the mean compression was the last: fluid that has no room can not be moved
+"""A look that leaves more than this of the mean compression was the last: fluid that has no room cannot be moved
 apart."""
 
 

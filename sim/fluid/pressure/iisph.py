@@ -25,7 +25,7 @@ MOST_LOOKS = 4
 """After the first; each leaves about the square of the way of the one before."""
 LESS = 0.5
 """Where a look leaves more than this of the mean compression, it is not the way that is too far: fluid that has no room
-can not be pushed apart, and to try would heat it."""
+cannot be pushed apart, and to try would heat it."""
 
 
 class Iisph(Incompressible):

@@ -36,7 +36,7 @@ def read(path: Path) -> trimesh.Trimesh:
 
     Lengths are the file's numbers, but metres where it names their unit, as 3MF does.
 
-    Raises `Refused` for other formats, and for a file that can not be read as triangles.
+    Raises `Refused` for other formats, and for a file that cannot be read as triangles.
     """
     import trimesh
 
@@ -56,7 +56,7 @@ def read(path: Path) -> trimesh.Trimesh:
         raise
     except Exception as error:  # every format's reader raises errors of its own
         raise Refused(
-            f"{path.name!r} can not be read as a triangle mesh ({type(error).__name__}: {error})",
+            f"{path.name!r} cannot be read as a triangle mesh ({type(error).__name__}: {error})",
             remedy=f"Give a file with triangles in one of the formats {', '.join(FORMATS.values())}",
         ) from error
     return trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, validate=False)

@@ -143,7 +143,7 @@ def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[t
     With `close` "holes" a surface that is open as a bowl is none of a solid; with "all" it is closed over its mouth.
 
     Raises `Refused` for vertices that are not finite, indices out of range, no faces, a mesh that is open, one without
-    volume, or one that can not be closed without changing more than a twentieth of its surface.
+    volume, or one that cannot be closed without changing more than a twentieth of its surface.
     """
     mesh, removed = cleaned(mesh, name=name)
     before = Topology.of(mesh)
@@ -165,7 +165,7 @@ def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[t
     after = Topology.of(result)
     volume = signed_volume(result)
     if not (after.watertight and after.consistent and 0 < volume < np.inf):
-        raise Refused(f"mesh {name!r} can not be made watertight", remedy=_REMEDY)
+        raise Refused(f"mesh {name!r} cannot be made watertight", remedy=_REMEDY)
     by_identity = {id(source): source for index, (source, _) in enumerate(solid) if index not in redundant}
     sources = list(by_identity.values())
     area_before = surface_area(mesh)
@@ -277,7 +277,7 @@ def _why_not_closed(mesh: trimesh.Trimesh, topology: Topology) -> str:
         return "is flat: it encloses no volume"
     if topology.watertight:
         return "encloses no volume"
-    return f"can not be made watertight: {topology.boundary_edges} of its edges have a face on one side only"
+    return f"cannot be made watertight: {topology.boundary_edges} of its edges have a face on one side only"
 
 
 def _oriented(

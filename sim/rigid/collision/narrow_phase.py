@@ -1,6 +1,7 @@
 """Where bodies touch, or will within the step: the features of each of two looked up in the field of the other."""
 
 import math
+from typing import Any
 
 import taichi as ti
 
@@ -82,7 +83,7 @@ class Search:
                 self.right, self.at_right = t, value
 
 
-Shapes = ti.types.argpack(
+Shapes: Any = ti.types.argpack(
     kind=Integers,
     size=Vectors,
     hollow=Integers,

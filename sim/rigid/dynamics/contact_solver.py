@@ -8,11 +8,13 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 (NNCG, Silcowitz-Hansen et al. 2010).
 """
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.double import Integers, Matrices, Numbers, Quaternions, Vectors, cross_matrix, mat3, vec2, vec3
 
-Motion = ti.types.argpack(
+Motion: Any = ti.types.argpack(
     position=Vectors,
     rotation=Quaternions,
     velocity=Vectors,
@@ -25,7 +27,7 @@ Motion = ti.types.argpack(
 [kg m^2/s]; inverse mass [1/kg] and inverse inertia about the centre in world axes [1/(kg m^2)], zero of bodies that
 nothing moves."""
 
-Contacts = ti.types.argpack(
+Contacts: Any = ti.types.argpack(
     body=Integers,
     place=Vectors,
     normal=Vectors,

@@ -115,7 +115,7 @@ def test_size_stands_above_the_unit_of_a_3mf(tmp_path):
         (model(), "3D/other.xml", "holds no model"),
         (model(items=""), "3D/3dmodel.model", "holds no model"),
         (model(items='<item objectid="7"/>'), "3D/3dmodel.model", "has no faces"),
-        (model()[:-60], "3D/3dmodel.model", "can not be read as a triangle mesh"),
+        (model()[:-60], "3D/3dmodel.model", "cannot be read as a triangle mesh"),
         (model('unit="cubit"'), "3D/3dmodel.model", "is in the unit 'cubit'"),
     ],
     ids=["no model", "nothing built", "an object that is not there", "cut off", "no such unit"],
@@ -129,7 +129,7 @@ def test_a_broken_3mf_is_refused(tmp_path, content, name, says):
 
 def test_a_3mf_that_is_no_archive_is_refused(tmp_path):
     (tmp_path / "part.3mf").write_bytes(b"PK\x03\x04")
-    with pytest.raises(Refused, match=r"'part.3mf' can not be read as a triangle mesh \(BadZipFile"):
+    with pytest.raises(Refused, match=r"'part.3mf' cannot be read as a triangle mesh \(BadZipFile"):
         read(tmp_path / "part.3mf")
 
 

@@ -172,16 +172,16 @@ def test_bunny_stands_on_its_base():
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("a.ply", b"", "can not be read"),
-        ("a.obj", b"nothing here", "(can not be read|no faces)"),
+        ("a.ply", b"", "cannot be read"),
+        ("a.obj", b"nothing here", "(cannot be read|no faces)"),
         (
             "a.ply",
             b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
             b"property float z\nend_header\n0 0 0\n",
-            "(can not be read|no faces)",
+            "(cannot be read|no faces)",
         ),
         ("a.xyzzy", b"1 2 3", "in no format that is read"),
-        ("a.stl", b"solid x\nendsolid x\n", "(can not be read|no faces)"),
+        ("a.stl", b"solid x\nendsolid x\n", "(cannot be read|no faces)"),
     ],
 )
 def test_unreadable_file_is_refused_at_its_field(tmp_path, name, content, says):

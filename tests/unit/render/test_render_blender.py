@@ -1,4 +1,4 @@
-"""What is said when Blender can not be loaded."""
+"""What is said when Blender cannot be loaded."""
 
 import pytest
 

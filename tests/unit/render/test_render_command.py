@@ -82,7 +82,7 @@ def test_a_folder_that_can_not_be_made_is_a_failure(film, tmp_path):
     (tmp_path / "file").write_text("")
     done = run(film, tmp_path / "file" / "out", TINY)
     assert done.returncode == 1
-    assert "can not make the folder" in done.stderr
+    assert "cannot make the folder" in done.stderr
 
 
 @pytest.mark.skipif(shutil.which("blender") is None, reason="no installed Blender")

@@ -1,4 +1,4 @@
-"""An event that can not be applied is refused before anything is simulated."""
+"""An event that cannot be applied is refused before anything is simulated."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ SET = {
     "wrong unit": ("fluid.viscosity: 1 m", "number in m^2/s", "got '1 m'"),
     "wrong kind": ("gravity: 3", "gravity"),
     "part of a list": ("gravity.1: 3", "'gravity' is a list", "set the whole list, as `gravity: ["),
-    "fixed": ("fluid.particle_radius: 1 mm", "fluid.particle_radius can not change"),
-    "group of something fixed": ("fluid: {particle_radius: 1 mm}", "fluid.particle_radius can not change"),
-    "nothing for the fluid": ("fluid: null", "fluid.particle_radius can not change"),
-    "rate of frames": ("fps: 3", "fps can not change"),
+    "fixed": ("fluid.particle_radius: 1 mm", "fluid.particle_radius cannot change"),
+    "group of something fixed": ("fluid: {particle_radius: 1 mm}", "fluid.particle_radius cannot change"),
+    "nothing for the fluid": ("fluid: null", "fluid.particle_radius cannot change"),
+    "rate of frames": ("fps: 3", "fps cannot change"),
     "not a name": ('"": 1', "name of a setting"),
 }
 
@@ -51,7 +51,7 @@ EVENTS = {
         "velocity: [0, 1, 0]}}}",
         "- {",
         "events.0",
-        "the motion of 'ball' can not be changed by an event",
+        "the motion of 'ball' cannot be changed by an event",
     ),
     "cloth": (
         "- {at: 0.1, add: {cloth: {b: {shape: {type: sheet, size: [1, 1]}, spacing: 0.1}}}, "

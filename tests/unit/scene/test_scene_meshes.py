@@ -1,4 +1,4 @@
-"""Mesh files that can not be simulated."""
+"""Mesh files that cannot be simulated."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ UNKNOWN = {
     ),
     "velocity of a body that moves by itself": (
         "events: [{at: 0.1, set: {rigid.bodies.ball.velocity: [0, 1, 0]}}]",
-        "'ball' is there already: how it begins can not be changed",
+        "'ball' is there already: how it begins cannot be changed",
     ),
     "place of a sheet": (
         f"{SHEET}\nevents: [{{at: 0.1, set: {{cloth.sheets.towel.position: [0, 1, 0]}}}}]",
@@ -50,7 +50,7 @@ UNKNOWN = {
     ),
     "force on a sheet": (
         f"{SHEET}\nprobes: {{p: {{type: force, body: towel}}}}",
-        "the force on 'towel' can not be measured",
+        "the force on 'towel' cannot be measured",
         "known here: ball",
     ),
     "force on a body like it": ("probes: {p: {type: force, body: tall}}", "no body named 'tall'", "mean 'ball'?"),

@@ -164,7 +164,7 @@ def test_a_panorama_that_is_none(bench, scene):
     bench.accepts(scene(more=light))
     for broken in (head + bytes((128, 128, 128, 129)), head[:11], b""):
         (bench.folder / "sky.hdr").write_bytes(broken)
-        bench.refuses(scene(more=light), "render.lights.environment.file: Blender can not read 'sky.hdr'", at=light)
+        bench.refuses(scene(more=light), "render.lights.environment.file: Blender cannot read 'sky.hdr'", at=light)
 
 
 TWO = "rigid: {bodies: {floor: {shape: {type: plane}}, ball: {shape: {type: sphere, radius: 0.2}, motion: dynamic, "

@@ -73,7 +73,7 @@ def test_a_file_that_is_no_scene(bench, case):
 
 def test_a_folder_is_no_scene(bench):
     status, said = bench.check(path=bench.folder)
-    assert status == 2 and "can not be read" in said
+    assert status == 2 and "cannot be read" in said
 
 
 def test_numbers_of_yaml_1_2(bench, scene):
@@ -82,7 +82,7 @@ def test_numbers_of_yaml_1_2(bench, scene):
 
 
 def test_signs_that_look_like_those_of_yaml(bench, scene):
-    """A minus sign, no-break blanks before keys and values, and what can not be seen."""
+    """A minus sign, no-break blanks before keys and values, and what cannot be seen."""
     text = scene(more="gravity: [0, \u22129.81, 0]\nrender: {exposure: \u22121e\u22121}\ndescription: 5\u00a0mm")
     text = text.replace("  particle_radius: 25 mm", "\u00a0\u00a0particle_radius:\u202f25\u00a0mm")
     bench.accepts(text.replace("viscosity", "visco\u200bsity"))

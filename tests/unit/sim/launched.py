@@ -1,4 +1,4 @@
-"""Kernels for `test_launching.py`: they can not be in a file with postponed annotations."""
+"""Kernels for `test_launching.py`: they cannot be in a file with postponed annotations."""
 
 import taichi as ti
 

@@ -1,4 +1,4 @@
-"""A kernel for `test_summation.py`, as those of cloth: it can not be in a file with postponed annotations."""
+"""A kernel for `test_summation.py`, as those of cloth: it cannot be in a file with postponed annotations."""
 
 import taichi as ti
 

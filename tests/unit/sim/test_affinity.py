@@ -9,7 +9,7 @@ import pytest
 
 from sim.device.affinity import bound
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="threads can not be bound here")
+pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="threads cannot be bound here")
 ALL = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
 

@@ -102,7 +102,7 @@ def test_a_full_disk_is_told(buffered):
     with open("/dev/full", "w") as full:
         done = run(["-c", PRINTS], stdout=full, buffered=buffered)
     assert done.returncode == 1
-    assert done.stderr == "what was to be written can not be: No space left on device\n"
+    assert done.stderr == "what was to be written cannot be: No space left on device\n"
 
 
 def test_no_traceback_at_an_interrupt():

@@ -103,7 +103,7 @@ def test_a_study_may_be_compared_with_its_best_trial(loaded):
         ("[20 ms, 10 ms]", "[20 ms, -1 ms]", "max_step"),
         ("scene: ../fall.yaml", "scene: ../fill.yaml", "fall.yaml"),
         ("of: ball, column: y", "column: y", "of names the probe or the body"),
-        ("1 - 9.81 / 2", "1 - g / 2", "reference.value|can not be computed"),
+        ("1 - 9.81 / 2", "1 - g / 2", "reference.value|cannot be computed"),
         ("repeats: 2", "repeats: 0", "repeats"),
         ("repeats: 2", "color: gravity", "rigid.max_step"),
         ("grids:", "grid:", "grids"),

@@ -119,7 +119,7 @@ def test_surfaces(tmp_path):
         true = measure.truth(ByFormula(type="formula", value=value, source=""), asked, None, folder)
         assert measure.error(asked, true, folder)[1] < 0.002
     wrong = quantity(**{**BALL, "distance": "w - 0.1"})
-    with pytest.raises(Refused, match="can not be computed"):
+    with pytest.raises(Refused, match="cannot be computed"):
         measure.number(wrong, folder)
 
 

@@ -67,7 +67,7 @@ def test_names_tell_paths_and_values_apart():
     ("old", "new", "words"),
     [
         ("[0, 0.5]", "[]", "wedge.rigid.bodies.ball.restitution"),
-        ("gravity:", "quality:", "this can not be varied"),
+        ("gravity:", "quality:", "this cannot be varied"),
         ("[[0, -9.81, 0], [0, -1.62, 0]]", f"{list(range(600))}", "1,200 combinations"),
     ],
 )

@@ -51,9 +51,11 @@ def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec,
         sph_normals=surface.normals.source == "particles",
         normals_smoothing_iters=surface.normals.smoothing_iterations or None,
     )
-    attributes = found.point_attributes
-    vertices = np.asarray(found.mesh.vertices, np.float32)
-    triangles = np.asarray(found.mesh.triangles).astype(np.int32)
+    attributes, mesh = found.point_attributes, found.mesh
+    if not isinstance(mesh, pysplashsurf.TriMesh3d):
+        raise TypeError("splashsurf made quadrilaterals, which nobody asked for")
+    vertices = np.asarray(mesh.vertices, np.float32)
+    triangles = np.asarray(mesh.triangles).astype(np.int32)
     normals = _finite(np.asarray(attributes["normals"], np.float32), vertices, triangles)
     return Surface(vertices, normals, np.asarray(attributes["velocity"], np.float32), triangles)
 

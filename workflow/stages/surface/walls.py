@@ -54,4 +54,5 @@ def flush(surface: Surface, walls: Sequence[Wall]) -> Surface:
         place, behind = wall.pressed(place)
         outwards[behind] = -normal
         velocity[behind] -= (velocity[behind] @ normal)[:, None] * normal
-    return Surface(*(part.astype(np.float32) for part in (place, outwards, velocity)), surface.triangles)
+    vertices, normals, velocities = (part.astype(np.float32) for part in (place, outwards, velocity))
+    return Surface(vertices, normals, velocities, surface.triangles)
