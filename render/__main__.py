@@ -103,7 +103,7 @@ def _with_builders(settings: Any) -> Any:
     if not isinstance(settings, dict):
         return settings
     found = {key: _with_builders(value) for key, value in settings.items()}
-    look = added("looks").get(found.get("type", ""))
+    look = added("looks").get(str(found.get("type")))
     return found if look is None else found | {"build": look.IMPLEMENTATION}
 
 

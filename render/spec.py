@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import BeforeValidator, Field, field_validator, model_validator
@@ -139,7 +139,10 @@ class Glass(Settings):
 
 LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
 
-Look: Any = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]
+if TYPE_CHECKING:
+    Look = Any
+else:
+    Look = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]
 
 
 def _water_unless_told(value: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt
 from pydantic import Field, model_validator
@@ -140,8 +140,13 @@ PRIMITIVES = (Box, Sphere, Cylinder, Capsule, Torus)
 BY_TRIANGLES = (MeshFile, *added("shapes").values())
 """Those of files, and what installed packages add."""
 
-ClosedShape: Any = Annotated[reduce(or_, (*PRIMITIVES, *BY_TRIANGLES)), Field(discriminator="type")]
-AnyShape: Any = Annotated[reduce(or_, (*PRIMITIVES, Plane, Sheet, *BY_TRIANGLES)), Field(discriminator="type")]
+if TYPE_CHECKING:
+    ClosedShape = Any
+    AnyShape = Any
+else:
+    ClosedShape = Annotated[reduce(or_, (*PRIMITIVES, *BY_TRIANGLES)), Field(discriminator="type")]
+    AnyShape = Annotated[reduce(or_, (*PRIMITIVES, Plane, Sheet, *BY_TRIANGLES)), Field(discriminator="type")]
+
 ClothShape = Annotated[Sheet | MeshSurface, Field(discriminator="type")]
 
 

@@ -24,7 +24,7 @@ def digest(stage: str) -> str:
     return hashlib.sha256(b"\n".join(file.read_bytes() for file in files)).hexdigest()
 
 
-def _of(settings: type[Any]) -> set[Path]:
+def _of(settings: Any) -> set[Path]:
     work = find_spec(settings.IMPLEMENTATION.partition(":")[0])
     origins = (inspect.getfile(settings), work.origin if work else None)
     return {Path(origin) for origin in origins if origin}
