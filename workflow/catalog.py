@@ -49,7 +49,7 @@ class Catalog(JobLookup):
 
     def plan(self, name: str, quality: str | None = None) -> Plan:
         """The plan of a scene at a quality, by default that of the configuration, or the scene's own; ends the process
-        with a message where the scene can not be used."""
+        with a message where the scene cannot be used."""
         key = (name, quality or self._quality)
         if key not in self._plans:
             try:

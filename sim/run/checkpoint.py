@@ -74,7 +74,7 @@ class Checkpoint:
         }
 
     def save(self, path: Path, spec: SimulationSpec) -> None:
-        """Write all to a file that is whole or not there, with the settings of `spec` that a state can not change."""
+        """Write all to a file that is whole or not there, with the settings of `spec` that a state cannot change."""
         meta = {
             "format": FORMAT,
             "clock": asdict(self.clock),

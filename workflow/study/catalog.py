@@ -23,7 +23,7 @@ class Studies(JobLookup):
         self._plans: dict[str, StudyPlan] = {}
 
     def plan(self, name: str) -> StudyPlan:
-        """The plan of a study; ends the process with a message where the study can not be used."""
+        """The plan of a study; ends the process with a message where the study cannot be used."""
         if name not in self._plans:
             try:
                 self._plans[name] = StudyPlan(load_study(STUDY_FILES.find(name), name), self._root)
