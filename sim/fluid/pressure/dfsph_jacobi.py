@@ -36,7 +36,7 @@ from sim.fluid.boundary.gaps import felt_velocity
 from sim.fluid.boundary.half_space import along_faces, face_slope, void_of
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.pairwise import pressure_sum
-from sim.fluid.kernel import cubic_slope, cubic_slope_host, lattice
+from sim.fluid.kernel import cubic_slope, cubic_slope_host, lattice, slope_norm
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
 from sim.fluid.pressure.projection import Projection
@@ -199,7 +199,7 @@ def _begin_divergence(
     """As source, and as what is left of it, what velocities compress in dt; no pressure in position.w, and that of the
     density solve in search.x."""
     inverse_h = 1.0 / h
-    slope_norm = 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     volume = spacing**3 / (4.0 / 3.0 * ti.math.pi * h**3)
     for i in range(count):
         x, v = position[i].xyz, velocity[i].xyz
@@ -215,7 +215,7 @@ def _begin_divergence(
             slope = face_slope(face[e].w, face_weight[e], void, fit, inverse_h)
             solids += slope * face[e].xyz.dot(v - solid_velocity)
             filled += face_weight[e] * cap(face[e].w * inverse_h)
-        rate = mass * slope_norm * pairs + rest_density * solids  # the paper, eq. 15
+        rate = strength * pairs + rest_density * solids  # the paper, eq. 15
         source[i] = ti.select(filled >= FEW, dt * rate, EXEMPT)
         pressure_acceleration[i] = vec4(0.0, 0.0, 0.0, source[i])
         search[i].x = position[i].w
@@ -269,7 +269,7 @@ def _iterate(
     pressure_acceleration.w of each particle."""
     inverse_h = 1.0 / h
     dt2 = dt * dt
-    strength = mass * 8.0 / ti.math.pi * inverse_h**5
+    strength = mass * slope_norm(inverse_h)
     for i in range(count):
         if step > 0.0:
             q = pressure_acceleration[i].w * diagonal[i] / dt2  # the paper, eq. 15 and 18, over rho
