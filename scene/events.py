@@ -89,7 +89,15 @@ def apply(spec: SimulationSpec, event: Event, index: int) -> SimulationSpec:
         raise _refusal(event, index, first) from None
 
 
-FIXED = ("fps", "fluid.particle_radius", "fluid.support_ratio", "fluid.solver", "events", "probes")
+FIXED = (
+    "fps",
+    "fluid.particle_radius",
+    "fluid.support_ratio",
+    "fluid.solver",
+    "fluid.dfsph.iteration",
+    "events",
+    "probes",
+)
 """Settings that cannot change while particles exist."""
 
 

@@ -40,6 +40,13 @@ _NO_MASS = "a body of motion: {value} obeys no forces, whatever it weighs: add `
 _OFF = "strength: 0 switches this light off: raise strength, or remove it"
 DEPENDENCES = (
     *(_section("fluid", name, "solver") for name in ("wcsph", "pcisph", "iisph", "dfsph")),
+    _within(
+        ("fluid", "dfsph"),
+        "hyperviscosity",
+        "iteration",
+        lambda value: value == "conjugate_gradients",
+        "iteration: jacobi damps nothing: change iteration to conjugate_gradients, or remove it",
+    ),
     *(_section("cloth", name, "integrator") for name in ("implicit_euler", "symplectic_euler", "xpbd")),
     _within(("rigid", "bodies", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),
     _within(("events", ANY, "add", "rigid", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),

@@ -43,6 +43,8 @@ def _refuse_settings(spec: SimulationSpec) -> None:
             raise Refused(message, location=location, remedy="add fluid, or a body with motion: dynamic")
     if spec.cloth is not None:
         _refuse_meetings(spec, spec.cloth)
+    if spec.fluid is not None and spec.fluid.method == "dfsph_jacobi":
+        _refuse_what_jacobi_does_not_move(spec)
     for name, probe in spec.probes.items():
         if probe.type in ("vertex", "pin_force"):
             continue
@@ -138,6 +140,16 @@ def _refuse_meetings(spec: SimulationSpec, cloth: Cloth) -> None:
     if spec.fluid is not None and cloth.integrator != "implicit_euler":
         message = f"cloth meets fluid with implicit_euler only, not with {cloth.integrator} yet"
         raise Refused(message, location=("cloth", "integrator"), remedy="use cloth.integrator: implicit_euler")
+
+
+def _refuse_what_jacobi_does_not_move(spec: SimulationSpec) -> None:
+    if spec.cloth is not None or spec.has_dynamic_bodies():
+        what = "cloth" if spec.cloth is not None else "bodies that obey forces"
+        raise Refused(
+            f"the Jacobi iterations of dfsph do not move {what} yet",
+            location=("fluid", "dfsph", "iteration"),
+            remedy="use fluid.dfsph.iteration: conjugate_gradients",
+        )
 
 
 def _is_dynamic(spec: SimulationSpec, name: str) -> bool:

@@ -16,8 +16,11 @@ SOLVERS = {
     "dfsph": "sim.fluid.pressure.dfsph:Dfsph",
 }
 """Pressure solvers by the name they have in a scene, beside those of installed packages."""
+VARIANTS = {"dfsph_jacobi": "sim.fluid.pressure.dfsph_jacobi:DfsphJacobi"}
+"""What else the settings of a solver may choose, by the name that `Fluid.method` has for it."""
 
 
 def load_solver(name: str) -> type[Any]:
-    """The class of a pressure solver; only the chosen one is imported."""
-    return load(SOLVERS[name] if name in SOLVERS else added("solvers")[name].IMPLEMENTATION)
+    """The class of a pressure solver, by `Fluid.method`; only the chosen one is imported."""
+    own = SOLVERS | VARIANTS
+    return load(own[name] if name in own else added("solvers")[name].IMPLEMENTATION)

@@ -131,7 +131,7 @@ class FluidModel:
         probed: bool = False,
     ):
         h = fluid.support_radius
-        solver = load_solver(fluid.solver)
+        solver = load_solver(fluid.method)
         reach = h * (1 + solver.SKIN)
         shapes = Shapes(surroundings.solids, origin, fluid.spacing, h, all_hold=solver.HOLDS_ALONG_ALL)
         boundary = Boundary(shapes, fluid.spacing, h, reach)

@@ -159,14 +159,21 @@ class Pcisph(Incompressible):
 
 
 class Dfsph(Incompressible):
-    """Settings of divergence-free SPH (Bender & Koschier 2017)."""
+    """Settings of divergence-free SPH (Bender & Koschier 2017): a step solves for velocities that compress nothing, and
+    for densities that are no higher than at rest."""
 
+    iteration: Literal["conjugate_gradients", "jacobi"] = "conjugate_gradients"
+    """How pressures are found. By default both solves use projected conjugate gradients: the one for velocities has
+    gradients that are right however particles lie, the one for densities moves particles apart without giving them
+    velocities. `jacobi` is DFSPH as published: Jacobi iterations with the factor alpha, no gradients corrected, both
+    solves change velocities. It is there for comparison, and not for scenes with cloth or bodies that obey forces."""
     divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
-    """Mean compression in one step by the velocities after it, as a share of the rest density; a tenth of it where
-    there are bodies, and less by as much as the fluid is deeper than 25 layers of particles."""
+    """Mean compression in one step by the velocities after it, as a share of the rest density; by conjugate gradients
+    a tenth of it where there are bodies; less by as much as the fluid is deeper than 25 layers of particles."""
     hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 3.0
-    """Rate at which differences of velocity between neighbours fade that no smooth flow has, over sqrt(g / spacing): 0
-    lets particles at rest tremble, more than the default slows what is only some spacings large."""
+    """Of conjugate gradients: rate at which differences of velocity between neighbours fade that no smooth flow has,
+    over sqrt(g / spacing). 0 lets particles at rest tremble, more than the default slows what is only some spacings
+    large."""
 
 
 class ImplicitViscosity(Settings):
@@ -252,6 +259,11 @@ class Fluid(Settings):
         if self.solver in type(self).model_fields:
             return getattr(self, self.solver)
         return self.extra.get(self.solver) or added("solvers")[self.solver]()
+
+    @property
+    def method(self) -> str:
+        """Name of what finds the pressures, in `sim.fluid.SOLVERS` or VARIANTS, or that of an installed package."""
+        return "dfsph_jacobi" if self.solver == "dfsph" and self.dfsph.iteration == "jacobi" else self.solver
 
     @property
     def spacing(self) -> float:

@@ -60,7 +60,7 @@ class Output:
         from sim.fluid.forces.velocity_smoothing import viscosity_is_implicit
         from sim.fluid.model import SLOWEST
 
-        self._statistics = load_solver(spec.fluid.solver).STATISTICS
+        self._statistics = load_solver(spec.fluid.method).STATISTICS
         if viscosity_is_implicit(spec.fluid, np.array(spec.gravity), SLOWEST * spec.fluid.spacing):
             self._statistics += ("viscosity_iterations",)
         return FLUID_COLUMNS + self._statistics

@@ -68,6 +68,18 @@ def test_the_scene_command_goes_on_in_the_same_folder(parts, tmp_path):
     assert len(read_table(out / "steps.csv")) == len(read_table(whole / "steps.csv"))
 
 
+def test_jacobi_iterations_of_dfsph_go_on(simulate):
+    """Beside a body that is moved: velocities that the step made free of divergence are what the next one begins
+    with."""
+    paddle = {"shape": {"type": "box", "size": [0.04, 0.2, 0.3]}, "position": [0.15, 0.1, 0]}
+    paddle |= {"motion": "prescribed", "velocity": [-0.5, 0, 0]}
+    settings = {"fluid__solver": "dfsph", "fluid__dfsph": {"iteration": "jacobi"}, "rigid": {"bodies": {"p": paddle}}}
+    scene = pool(probes={"push": {"type": "force", "body": "p", "rate": 300}}, **settings)
+    whole, first = simulate(scene, 8, "whole"), simulate(scene, 4, "first")
+    second = simulate(scene, 8, "second", first=5, state=first / "state_00004.npz")
+    assert_continued(whole, first, second)
+
+
 def test_a_run_that_recovers_goes_on(simulate, tmp_path, monkeypatch):
     """The state keeps that steps are shorter for a while."""
 

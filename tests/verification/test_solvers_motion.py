@@ -11,9 +11,8 @@ from tests.solvers import INCOMPRESSIBLE, SOLVERS, run, steps
 G = 9.81
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_a_collision_keeps_the_momentum(tmp_path, solver):
-    """Two drops collide without gravity; pair forces are equal and opposite, so sum m v stays, to rounding."""
+def collision(out, solver, **fluid):
+    """Two drops that collide without gravity, as they are in frame 6; further settings of the `fluid`."""
     ball = {"type": "sphere", "radius": 0.09}
     spec = {
         "fps": 20,
@@ -26,17 +25,27 @@ def test_a_collision_keeps_the_momentum(tmp_path, solver):
                 "left": {"shape": ball, "position": [-0.11, 0, 0], "velocity": [1.0, 0.2, 0]},
                 "right": {"shape": ball, "position": [0.11, 0.03, 0.02], "velocity": [-0.5, 0, 0.1]},
             },
+            **fluid,
         },
     }
-    out = run(spec, tmp_path, 6)
+    return run(spec, out, 6)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_collision_keeps_the_momentum(tmp_path, solver):
+    """Pair forces are equal and opposite, so sum m v stays, to rounding."""
+    check_momentum(collision(tmp_path, solver))
+
+
+def check_momentum(out):
     first, last = velocities(read_frame(out, 0)), velocities(read_frame(out, 6))
     assert np.abs(first - last).max() > 0.5, "the drops did not collide"
     scale = np.linalg.norm(first, axis=1).sum()
     assert np.linalg.norm(last.sum(axis=0) - first.sum(axis=0)) < 1e-5 * scale
 
 
-def fall(out, solver, fixed):
-    """Mean position and velocity of a cube at its start and after half a second, less what is exact; duration [s]."""
+def fall(out, solver, fixed, **fluid):
+    """Positions and velocities of a cube after half a second, less what is exact; duration [s]."""
     g, v0, t = np.array([0.3, -9.81, 0.0]), np.array([0.5, 2.0, -1.0]), 0.5
     spec = {
         "fps": 2,
@@ -52,6 +61,7 @@ def fall(out, solver, fixed):
                     "velocity": v0.tolist(),
                 }
             },
+            **fluid,
         },
     }
     run(spec, out, 1)
@@ -77,9 +87,13 @@ def rounding(speeds: int, places: int, t: float) -> tuple[float, float]:
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_what_falls_freely_does_so_exactly(tmp_path, solver):
     """x = v0 t + g t^2 / 2, v = v0 + g t; velocity Verlet changes speeds twice a step."""
-    place, speed, t = fall(tmp_path, solver, 2e-4 if solver == "wcsph" else 2e-3)
-    taken = len(steps(tmp_path))
-    of_place, of_speed = rounding(2 * taken if solver == "wcsph" else taken, taken, t)
+    check_fall(tmp_path, fall(tmp_path, solver, 2e-4 if solver == "wcsph" else 2e-3), 2 if solver == "wcsph" else 1)
+
+
+def check_fall(out, found, changes=1):
+    """`found` by `fall`, where a step changes speeds so many times."""
+    (place, speed, t), taken = found, len(steps(out))
+    of_place, of_speed = rounding(changes * taken, taken, t)
     np.testing.assert_allclose(place.mean(axis=0), 0, atol=of_place)
     np.testing.assert_allclose(speed.mean(axis=0), 0, atol=of_speed)
     # The cube falls as a whole: no particle is pressed out of the lattice.

@@ -14,7 +14,7 @@ from sim.fluid.boundary.gaps import (
     slack_after,
     wide,
 )
-from sim.fluid.boundary.half_space import along_faces, left_of, own_share, own_slope
+from sim.fluid.boundary.half_space import along_faces, face_slope, left_of, own_share
 from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import GRID, PLANE
@@ -261,9 +261,7 @@ def place(
                 void *= left
             total += 1.0 - void
             for e in range(first, last):
-                left = left_of(weight[e] * own_share(face[e].w, fit, inverse_h), fit)
-                counts = 1.0 - left * left / fit.y * (1.0 - void / left)
-                one = counts * weight[e] * own_slope(face[e].w, fit, inverse_h) * face[e].xyz
+                one = face_slope(face[e].w, weight[e], void, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
                     pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
                 gradient += one

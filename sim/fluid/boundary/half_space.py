@@ -39,6 +39,23 @@ def left_of(share: real, fit: vec4) -> real:
 
 
 @ti.func
+def void_of(first: ti.i32, last: ti.i32, face: Vec4Array, face_weight: RealArray, fit: vec4, inverse_h: real) -> real:
+    """What half-spaces from `first` to before `last` leave together: the product of what each does."""
+    void = ti.cast(1.0, real)
+    for e in range(first, last):
+        void *= left_of(face_weight[e] * own_share(face[e].w, fit, inverse_h), fit)
+    return void
+
+
+@ti.func
+def face_slope(distance: real, weight: real, void: real, fit: vec4, inverse_h: real) -> real:
+    """By how much the share of all half-spaces grows with the distance of one [1/m], where they leave `void`."""
+    left = left_of(weight * own_share(distance, fit, inverse_h), fit)
+    counts = 1.0 - left * left / fit.y * (1.0 - void / left)
+    return counts * weight * own_slope(distance, fit, inverse_h)
+
+
+@ti.func
 def along_faces(
     i: ti.i32,
     a: vec3,

@@ -1,4 +1,6 @@
-"""Divergence-free SPH (Bender & Koschier 2015, 2017), with corrected gradients.
+"""The two solves of divergence-free SPH (Bender & Koschier 2015, 2017), with pressures found by projected conjugate
+gradients, and with corrected gradients: what `dfsph` is by default. The published iteration is
+`sim.fluid.pressure.dfsph_jacobi`.
 
 Two systems of equations are solved in a step. The first takes from velocities what would compress the fluid, by the
 gradients of `sim.fluid.pressure.gradient_correction`: those are right however particles lie, but the density that

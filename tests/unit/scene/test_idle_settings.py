@@ -19,6 +19,7 @@ TURNS = "{shape: {type: sphere, radius: 0.1}, motion: prescribed, angular_veloci
 IDLE = {
     "fluid.wcsph={speed_of_sound: 30}": ("fluid.solver=dfsph", "solver: wcsph, and the scene has solver: dfsph"),
     "fluid.dfsph={density_error: 0.001}": ("fluid.solver=wcsph", "the scene has solver: wcsph"),
+    "fluid.dfsph={iteration: jacobi, hyperviscosity: 2}": ("fluid.solver=dfsph", "iteration: jacobi damps nothing"),
     "fluid.implicit_viscosity={error: 0.01}": ("fluid.viscosity_solver=explicit", "make it auto or implicit"),
     "fluid.surface_tension_model=akinci2013": ("fluid.surface_tension=0", "give surface_tension"),
     "cloth.xpbd={substeps: 20}": ("cloth.integrator=implicit_euler", "change one of the two"),

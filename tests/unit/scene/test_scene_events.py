@@ -13,6 +13,7 @@ SET = {
     "wrong kind": ("gravity: 3", "gravity"),
     "part of a list": ("gravity.1: 3", "'gravity' is a list", "set the whole list, as `gravity: ["),
     "fixed": ("fluid.particle_radius: 1 mm", "fluid.particle_radius cannot change"),
+    "how pressures are found": ("fluid.dfsph.iteration: jacobi", "fluid.dfsph.iteration cannot change"),
     "group of something fixed": ("fluid: {particle_radius: 1 mm}", "fluid.particle_radius cannot change"),
     "nothing for the fluid": ("fluid: null", "fluid.particle_radius cannot change"),
     "rate of frames": ("fps: 3", "fps cannot change"),

@@ -193,6 +193,20 @@ def test_a_wrong_section(bench, scene, case):
     bench.refuses(scene(more=line), *words, at=line)
 
 
+NOT_BY_JACOBI = {
+    "cloth": "cloth: {sheets: {flag: {shape: {type: sheet, size: [1, 1]}, position: [0, 2, 0], spacing: 0.1}}}",
+    "bodies that obey forces": "events: [{at: 0.1, add: {rigid: {cork: {shape: {type: sphere, radius: 0.1}, "
+    "position: [0, 2, 0], motion: dynamic}}}}]",
+}
+
+
+@pytest.mark.parametrize("what", NOT_BY_JACOBI)
+def test_what_jacobi_iterations_do_not_move(bench, scene, what):
+    text = scene(RADIUS, f"{RADIUS}\n  solver: dfsph\n  dfsph: {{iteration: jacobi}}", more=NOT_BY_JACOBI[what])
+    told = f"the Jacobi iterations of dfsph do not move {what} yet"
+    bench.refuses(text, "fluid.dfsph.iteration", told, "iteration: conjugate_gradients", at="  dfsph:")
+
+
 def test_a_copy_through_a_link_that_leads_out(bench, scene, tmp_path, tmp_path_factory):
     (tmp_path / "gallery").symlink_to(tmp_path_factory.mktemp("elsewhere"))
     bench.refuses(scene(more="film: {copy_to: gallery/film.mp4}"), "film.copy_to", "outside", at="copy_to")

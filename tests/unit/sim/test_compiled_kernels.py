@@ -59,6 +59,7 @@ ADDED = {
     "wcsph": ({"solver": "wcsph"}, {}, {"wcsph"}),
     "pcisph": ({"solver": "pcisph"}, {}, {"pcisph"}),
     "iisph": ({"solver": "iisph"}, {}, set()),
+    "jacobi": ({"dfsph": {"iteration": "jacobi"}}, {}, {"dfsph_jacobi"}),
 }
 """Settings of the fluid and of the scene, and the modules whose kernels they add to plain DFSPH."""
 
@@ -108,4 +109,5 @@ def test_what_a_scene_has_adds_its_own_kernels_only(tmp_path, plain, name):
         or (name == "no walls" and lost <= BOUNDARY)
         or (name in ("wcsph", "pcisph") and lost <= ITERATIVE | CORRECTED)
         or (name == "iisph" and lost - {"dfsph"} == CORRECTED)
+        or (name == "jacobi" and lost - {"dfsph"} == CORRECTED | {"conjugate_gradients"})
     )
