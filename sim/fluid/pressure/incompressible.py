@@ -1,6 +1,6 @@
 """The step that all solvers share which look for the pressures under which the fluid keeps its volume."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import taichi as ti
@@ -8,7 +8,6 @@ import taichi as ti
 from sim.device.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import Mixing
-from sim.fluid.spec import Incompressible as Settings
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.time_step_limits import displacement_limit, fall_limit, pressure_limit
 from sim.free_fall import OTHERS
@@ -42,7 +41,7 @@ class Incompressible:
         self.mixing = Mixing(system)
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> Any:
         """The solver's own settings."""
         return self.system.spec.solver_settings
 
