@@ -117,7 +117,7 @@ class DfsphJacobi(Incompressible):
             boundary.faces.solid,
             boundary.shapes.pose,
         )
-        told = self._iterate(dt, self.settings.divergence_error, warm=False)
+        told = self._iterate(dt, system.spec.dfsph.divergence_error, warm=False)
         kick(system.count, dt, particles.velocity, particles.pressure_acceleration)  # the paper, eq. 16
         if system.remembers:
             _remember(system.count, particles.position, particles.corrected)

@@ -19,7 +19,6 @@ TURNS = "{shape: {type: sphere, radius: 0.1}, motion: prescribed, angular_veloci
 IDLE = {
     "fluid.wcsph={speed_of_sound: 30}": ("fluid.solver=dfsph", "solver: wcsph, and the scene has solver: dfsph"),
     "fluid.dfsph={density_error: 0.001}": ("fluid.solver=wcsph", "the scene has solver: wcsph"),
-    "fluid.dfsph={iteration: jacobi, hyperviscosity: 2}": ("fluid.solver=dfsph", "iteration: jacobi damps nothing"),
     "fluid.implicit_viscosity={error: 0.01}": ("fluid.viscosity_solver=explicit", "make it auto or implicit"),
     "fluid.surface_tension_model=akinci2013": ("fluid.surface_tension=0", "give surface_tension"),
     "cloth.xpbd={substeps: 20}": ("cloth.integrator=implicit_euler", "change one of the two"),
@@ -84,6 +83,13 @@ def test_what_an_event_brings_in(tmp_path):
 def test_check_names_the_line(bench, scene):
     said = bench.accepts(scene(more="surface: {cleanup: {enabled: false, decimate_barnacles: true}}"))
     assert "warning: line 17: surface.cleanup.decimate_barnacles: changes nothing: cleanup is off" in said
+
+
+def test_damping_that_jacobi_iterations_do_not_have(bench, scene):
+    radius = "particle_radius: 25 mm"
+    fluid = f"{radius}\n  solver: dfsph\n  dfsph: {{iteration: jacobi, hyperviscosity: 2}}"
+    said = bench.accepts(scene(radius, fluid))
+    assert "fluid.dfsph.hyperviscosity: changes nothing: iteration: jacobi damps nothing" in said
 
 
 def test_a_run_tells_as_it_begins(bench, scene, capsys):
