@@ -139,11 +139,11 @@ def test_a_linear_field_is_read_exactly_on_one_side_of_a_wall():
         density=np.full(len(points), RHO),
         h=0.02,
         mass=RHO * D**3,
-        world=SimpleNamespace(fluid=SimpleNamespace(system=system), origin=np.zeros(3)),
     )
+    origin = np.zeros(3)
     for at in (np.zeros(3), np.array([0.0, 0.01, -0.005]), np.array([0.02, 0, 0])):
-        assert pressure_at(view, at) == pytest.approx(level + at @ slope, rel=1e-9)
-    assert pressure_at(view, np.array([-0.021, 0, 0])) == 0.0
+        assert pressure_at(view, system, origin, at) == pytest.approx(level + at @ slope, rel=1e-9)
+    assert pressure_at(view, system, origin, np.array([-0.021, 0, 0])) == 0.0
 
 
 def test_a_face_of_a_thin_wall_feels_its_own_side_only(simulate):

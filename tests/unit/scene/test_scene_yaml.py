@@ -60,7 +60,6 @@ FILES = {
     "control characters": (b"a: \x07\n", "not YAML"),
     "zero byte": (b"a: \x00\n", "not YAML"),
     "utf-16": ("fps: 12\n".encode("utf-16"), "UTF-8"),
-    "large": (b"a: b\n" * 3_000_000, "larger than any scene file"),
 }
 
 
@@ -69,6 +68,11 @@ def test_a_file_that_is_no_scene(bench, case):
     content, words = FILES[case]
     said = bench.refuses(content, words)
     assert str(bench.path) in said
+
+
+def test_a_file_that_is_too_large(bench, monkeypatch):
+    monkeypatch.setattr("scene.document.MAX_BYTES", 1000)
+    bench.refuses(b"a: b\n" * 300, "larger than any scene file, 1,500 bytes")
 
 
 def test_a_folder_is_no_scene(bench):
