@@ -11,6 +11,7 @@ from sim.device.arrays import Declared, DoubleTable, IntArray, Particles, RealAr
 from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.boundary.gaps import relieved
 from sim.fluid.kernel import cubic_host, particle_mass
+from sim.fluid.packed import DENSITY, DISTANCE, Q
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
 from sim.neighbors.spatial_hash import HashGrid, NeighborList
@@ -404,23 +405,23 @@ def _measure(
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
                 row[7 + axis] += x[axis]
-            density = relieved(v.w, rest_density, excess[i])
+            density = relieved(v[DENSITY], rest_density, excess[i])
             row[10] = ti.max(row[10], density)
-            crowded = v.w - ti.max(share[i].w - alone, 0.0) * rest_density
+            crowded = v[DENSITY] - ti.max(share[i].w - alone, 0.0) * rest_density
             row[16] = ti.max(row[16], relieved(crowded, rest_density, excess[i]))
             row[11] += ti.max(density / rest_density - 1.0, 0.0)
-            row[17] = ti.max(row[17], x.w)
+            row[17] = ti.max(row[17], x[Q])
             finite = (
                 ti.abs(v2) < 1e30
                 and ti.abs(a2) < 1e30
                 and x.xyz.dot(x.xyz) < 1e30
-                and v.w < 1e30
-                and ti.abs(x.w) < 1e30
+                and v[DENSITY] < 1e30
+                and ti.abs(x[Q]) < 1e30
             )
             if not finite:
                 row[12] += 1.0
             for e in range(begin[i], begin[i] + solids_near[i]):
-                if face[e].w < -deepest:
+                if face[e][DISTANCE] < -deepest:
                     row[13] += 1.0
             if v2 > speed_limit * speed_limit + 2.0 * ti.max(fallen, 0.0):
                 row[14] += 1.0

@@ -11,6 +11,7 @@ from sim.fluid.forces.adhesion import adhesion
 from sim.fluid.forces.friction import sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial
 from sim.fluid.kernel import cubic_slope, slope_norm
+from sim.fluid.packed import DENSITY, VOLUME, Q
 
 
 @ti.kernel
@@ -106,19 +107,19 @@ def push_back(
             x, v = position[i], velocity[i]
             d = x.xyz - b.xyz
             r2 = d.dot(d)
-            strength = rest_density * slope_strength * b.w
+            strength = rest_density * slope_strength * b[VOLUME]
             gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
             a = vec3(0.0)
             if ti.static(has_pressure):
-                a -= along_faces(i, x.w * gradient, begin, solids_near, face, held, fit, inverse_h)
+                a -= along_faces(i, x[Q] * gradient, begin, solids_near, face, held, fit, inverse_h)
             if ti.static(has_damping):
-                a += artificial((v.xyz - moves).dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
+                a += artificial((v.xyz - moves).dot(d), damping_strength) / (v[DENSITY] * (r2 + softening)) * gradient
             if ti.static(has_grip):
                 grip = sample_viscosity * sample_friction(d, v.xyz - moves, nearest_sample, inverse_h)
-                a += strength / v.w * grip
+                a += strength / v[DENSITY] * grip
             if ti.static(has_adhesion):
                 r = ti.max(ti.sqrt(r2), 1e-6 * h)
-                a -= adhesion_strength * b.w * adhesion(r * inverse_h) / r * d
+                a -= adhesion_strength * b[VOLUME] * adhesion(r * inverse_h) / r * d
             total -= ti.cast(mass * a, ti.f64)
         force[s] = total
 
@@ -155,9 +156,9 @@ def press(
             i = near_index[s, k]
             x = position[i].xyz + ahead * velocity[i].xyz
             d = x - b.xyz
-            gradient = strength * b.w * cubic_slope(d.norm() * inverse_h) * d
+            gradient = strength * b[VOLUME] * cubic_slope(d.norm() * inverse_h) * d
             gradient = along_faces(i, gradient, begin, solids_near, face, held, fit, inverse_h)
-            q = pressure[i].x if ti.static(found) else pressure[i].w
+            q = pressure[i].x if ti.static(found) else pressure[i][Q]
             total += ti.cast(mass * q * gradient, ti.f64)
         force[s] = total
 
@@ -221,7 +222,7 @@ def add_response(
         for k in range(sample_size[i]):
             s = sample_index[i, k]
             d = x - samples[s].xyz
-            gradient = strength * samples[s].w * cubic_slope(d.norm() * inverse_h) * d
+            gradient = strength * samples[s][VOLUME] * cubic_slope(d.norm() * inverse_h) * d
             gradient = along_faces(i, gradient, begin, solids_near, face, held, fit, inverse_h)
             given += gradient.dot(ti.cast(sway[s], real))
         pressure_acceleration[i].w = given if fresh != 0 else pressure_acceleration[i].w + given

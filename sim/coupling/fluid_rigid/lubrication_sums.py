@@ -5,6 +5,7 @@ import taichi as ti
 from sim.device.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.gaps import facing, wide
 from sim.fluid.kernel import cubic, cubic_norm
+from sim.fluid.packed import Q
 
 WET, FULL = 0.25, 0.5
 """Shares of the density, before a surface, from which on it counts as wet, and as covered with particles."""
@@ -175,7 +176,7 @@ def press_rims(
         if found[r].w > 0.0:
             for k in range(beyond_size[r]):
                 i = beyond_index[r, k]
-                q = pressure[i].x if ti.static(is_found) else pressure[i].w
+                q = pressure[i].x if ti.static(is_found) else pressure[i][Q]
                 total += share_of(r, i, h, mass / rest_density, position, beyond) * q
             total *= rest_density * rest_density / ti.max(found[r].z, WET)
         at_rim[r, 0] = total

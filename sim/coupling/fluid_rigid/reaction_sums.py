@@ -11,6 +11,7 @@ from sim.fluid.forces.adhesion import face_adhesion
 from sim.fluid.forces.friction import face_friction
 from sim.fluid.forces.pairwise import pair_pressures
 from sim.fluid.kernel import slope_norm
+from sim.fluid.packed import DENSITY, DISTANCE, Q
 from sim.fluid.sums import span
 
 MATERIALS = ("fluid",)
@@ -153,16 +154,20 @@ def push_back(
             i = particle[e]
             x, v, one = position[i], velocity[i], face[e]
             relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
-            heavy = face_weight[e] * rest_density / v.w
+            heavy = face_weight[e] * rest_density / v[DENSITY]
             a = vec3(0.0)
             if ti.static(has_pressure):
-                a -= x.w * rest_density * pull[e].xyz
+                a -= x[Q] * rest_density * pull[e].xyz
             if ti.static(has_damping):
-                a += heavy * face_damping(one.w, one.xyz.dot(relative), fit, inverse_h, damping_strength) * one.xyz
+                a += (
+                    heavy
+                    * face_damping(one[DISTANCE], one.xyz.dot(relative), fit, inverse_h, damping_strength)
+                    * one.xyz
+                )
             if ti.static(has_grip):
                 a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
             if ti.static(has_adhesion):
-                a -= face_weight[e] * face_adhesion(one.w, adhesion_strength, h) * one.xyz
+                a -= face_weight[e] * face_adhesion(one[DISTANCE], adhesion_strength, h) * one.xyz
             total += wrench_of(x.xyz - centre, -mass * a)
         keep(partial, k, 0, total)
     for body in range(wrench.shape[0]):
@@ -203,7 +208,7 @@ def hold(
         for entry in range(within[0], within[1]):
             e = order[entry]
             i = particle[e]
-            if held[e] > 0.0 and face[e].w < h:
+            if held[e] > 0.0 and face[e][DISTANCE] < h:
                 pushed = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
                 more = vec3(0.0)
                 count = solids_near[i]
@@ -247,7 +252,7 @@ def answer_pressure(
             e = order[entry]
             i = particle[e]
             x = position[i].xyz + ahead * velocity[i].xyz
-            q = pressure[i].x if ti.static(found) else pressure[i].w
+            q = pressure[i].x if ti.static(found) else pressure[i][Q]
             total += wrench_of(x - centre, strength * q * pull[e].xyz)
         keep(partial, k, 0, total)
     for body in range(wrench.shape[0]):

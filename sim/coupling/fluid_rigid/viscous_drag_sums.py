@@ -17,6 +17,7 @@ from sim.fluid.forces.body_unknowns import (
     solved,
 )
 from sim.fluid.forces.friction import face_friction
+from sim.fluid.packed import DENSITY
 
 AS_THEY_MOVE, SEARCHES, ALONE = range(3)
 
@@ -60,7 +61,7 @@ def drag(
                 moved = -search_velocity(bodies, body, x)
             if ti.static(which == SEARCHES):
                 moved += search[i].xyz
-            pull = strength * face_weight[e] / search[i].w * face_friction(face[e], moved, spacing, inverse_h)
+            pull = strength * face_weight[e] / search[i][DENSITY] * face_friction(face[e], moved, spacing, inverse_h)
             total += wrench_of(x - centre, pull)
         keep(partial, k, 0, total)
     for b in range(bodies.shape[0]):

@@ -16,6 +16,7 @@ from sim.fluid.boundary.gaps import (
 )
 from sim.fluid.boundary.half_space import along_faces, face_slope, left_of, own_share
 from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
+from sim.fluid.packed import DENSITY, DISTANCE
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import GRID, PLANE
 from sim.neighbors.spatial_hash import padded
@@ -227,7 +228,7 @@ def place(
                 loose, ease = slack[i], eased[i]
                 if since >= 0.0:
                     v = velocity[i]
-                    compression = relieved(v.w, rest_density, denser(loose, spacing) + ease) / rest_density - 1.0
+                    compression = relieved(v[DENSITY], rest_density, denser(loose, spacing) + ease) / rest_density - 1.0
                     loose = slack_after(loose, since, v.xyz, compression, fall)
                     ease = slack_after(ease * spacing, since, v.xyz, compression, fall) / spacing
                 loose = ti.max(loose, most_lacking(first, last, solid, face, spacing))
@@ -236,32 +237,36 @@ def place(
                         velocity[i].xyz, x, since, fall, loose, first, last, solid, face, pose, spacing
                     )
             for e in range(first, last):
-                open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - face[e].w), 0.0)
+                open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - face[e][DISTANCE]), 0.0)
                 for other in range(first, last):
                     if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                        open_gap = ti.min(open_gap, wide(face[e].w + face[other].w, spacing, slim[solid[e]]))
+                        open_gap = ti.min(
+                            open_gap, wide(face[e][DISTANCE] + face[other][DISTANCE], spacing, slim[solid[e]])
+                        )
                         off = ti.max(off, lacking(face[e], face[other], INCLINED, spacing))
                 weight[e] = off
                 if has_pull == 1:
                     pull[e].w = ti.select(firm[solid[e]] == 1, 1.0, open_gap)
             for e in range(first, last):
-                face[e].w += weight[e]
+                face[e][DISTANCE] += weight[e]
             for e in range(first, last):
                 counts = ti.cast(1.0, real)
                 for other in range(first, last):
-                    nearer = face[other].w < face[e].w or (face[other].w == face[e].w and other < e)
+                    nearer = face[other][DISTANCE] < face[e][DISTANCE] or (
+                        face[other][DISTANCE] == face[e][DISTANCE] and other < e
+                    )
                     if nearer:
                         like = ti.max(face[e].xyz.dot(face[other].xyz), 0.0)
                         counts *= (1.0 - like * like) ** 2
                 weight[e] = counts
                 held[e] = counts * holds[solid[e]] * pull[e].w
-                share_of = counts * own_share(face[e].w, fit, inverse_h)
+                share_of = counts * own_share(face[e][DISTANCE], fit, inverse_h)
                 left = left_of(share_of, fit)
                 total += share_of - (1.0 - left)
                 void *= left
             total += 1.0 - void
             for e in range(first, last):
-                one = face_slope(face[e].w, weight[e], void, fit, inverse_h) * face[e].xyz
+                one = face_slope(face[e][DISTANCE], weight[e], void, fit, inverse_h) * face[e].xyz
                 if has_pull == 1:
                     pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
                 gradient += one

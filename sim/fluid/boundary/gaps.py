@@ -13,6 +13,7 @@ import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.packed import DISTANCE
 from sim.geometry.distance.narrow_band import OPPOSITE
 
 NARROW, WIDE = 1.2, 2.0
@@ -104,14 +105,14 @@ def led(
             if solid[other] != solid[e] and tight > tightest:
                 tightest, kept = tight, ti.min(tight / (LED * spacing), 1.0)
                 normal = (face[e].xyz - face[other].xyz).normalized()
-                off = 0.5 * (face[other].w - face[e].w)
+                off = 0.5 * (face[other][DISTANCE] - face[e][DISTANCE])
                 one, two = surface_velocity(solid[e], x, pose), surface_velocity(solid[other], x, pose)
                 rate = rate_of(ti.abs(normal.dot(one - two)) + ti.sqrt(fall), dt, spacing)
                 along += kept * (rate * off + normal.dot(0.5 * (one + two) - along)) * normal
     stopped = (1.0 - kept) * ti.min(slack / (LED * spacing), 1.0)
     for e in range(first, last):
-        if face[e].w < 0.5 * spacing:
-            out = ti.max(0.5 * spacing - face[e].w - slack, 0.0) * rate_of(ti.sqrt(fall), dt, spacing)
+        if face[e][DISTANCE] < 0.5 * spacing:
+            out = ti.max(0.5 * spacing - face[e][DISTANCE] - slack, 0.0) * rate_of(ti.sqrt(fall), dt, spacing)
             speed = face[e].xyz.dot(along - surface_velocity(solid[e], x, pose))
             along += stopped * ti.max(out - speed, 0.0) * face[e].xyz
     return along
@@ -134,7 +135,7 @@ def felt_velocity(
     found = own
     for other in range(first, last):
         opposed = solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz)
-        if opposed and face[e].w + face[other].w < FULL * spacing:
+        if opposed and face[e][DISTANCE] + face[other][DISTANCE] < FULL * spacing:
             found = 0.5 * (own + surface_velocity(solid[other], x, pose))
     return found
 

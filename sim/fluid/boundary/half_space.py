@@ -11,6 +11,7 @@ import taichi as ti
 from sim.device.arrays import IntArray, RealArray, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.boundary.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
+from sim.fluid.packed import DISTANCE
 
 
 def half_space_fit(spacing: float, h: float) -> tuple[float, float, float, float]:
@@ -43,7 +44,7 @@ def void_of(first: ti.i32, last: ti.i32, face: Vec4Array, face_weight: RealArray
     """What half-spaces from `first` to before `last` leave together: the product of what each does."""
     void = ti.cast(1.0, real)
     for e in range(first, last):
-        void *= left_of(face_weight[e] * own_share(face[e].w, fit, inverse_h), fit)
+        void *= left_of(face_weight[e] * own_share(face[e][DISTANCE], fit, inverse_h), fit)
     return void
 
 
@@ -98,14 +99,14 @@ def lacking_along(
 @ti.func
 def left_along(e: ti.i32, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> real:
     """The share of what a particle is pushed by along a surface that is on this side of it."""
-    return 1.0 - held[e] * fit.z * halfspace_volume(ti.max(face[e].w * inverse_h, 0.0))
+    return 1.0 - held[e] * fit.z * halfspace_volume(ti.max(face[e][DISTANCE] * inverse_h, 0.0))
 
 
 @ti.func
 def along_face(e: ti.i32, a: vec3, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> vec3:
     """One factor of B: half of what one half-space is for, along it."""
     pushed = a
-    if face[e].w * inverse_h < 1.0:
+    if face[e][DISTANCE] * inverse_h < 1.0:
         factor = 1.0 / ti.sqrt(left_along(e, face, held, fit, inverse_h))
         pushed = factor * a + (1.0 - factor) * face[e].xyz.dot(a) * face[e].xyz
     return pushed

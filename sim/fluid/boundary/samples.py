@@ -4,6 +4,7 @@ import taichi as ti
 
 from sim.device.arrays import IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, slope_norm
+from sim.fluid.packed import VOLUME
 
 
 @ti.func
@@ -23,8 +24,8 @@ def sheet_share(
         b = samples[sample_index[row, k]]
         d = x - b.xyz
         q = d.norm() * inverse_h
-        share += norm * b.w * cubic(q)
-        gradient += norm * inverse_h * inverse_h * b.w * cubic_slope(q) * d
+        share += norm * b[VOLUME] * cubic(q)
+        gradient += norm * inverse_h * inverse_h * b[VOLUME] * cubic_slope(q) * d
     return vec4(gradient, share)
 
 
@@ -43,7 +44,7 @@ def approach(
     for k in range(samples_near):
         b = sample_index[row, k]
         d = x - samples[b].xyz
-        rate -= samples[b].w * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
+        rate -= samples[b][VOLUME] * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
     return slope_norm(inverse_h) * rate
 
 

@@ -15,6 +15,7 @@ import taichi as ti
 from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
 from sim.fluid.forces.force import Force
+from sim.fluid.packed import DISTANCE, VOLUME
 from sim.fluid.system import FluidSystem
 
 _Q = 0.5 + (np.arange(4000) + 0.5) / 8000
@@ -141,7 +142,7 @@ def _accelerate(
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
                 r = ti.max(d.norm(), 1e-6 * h)
-                a -= sample_strength * b.w * adhesion(r * inverse_h) / r * d
+                a -= sample_strength * b[VOLUME] * adhesion(r * inverse_h) / r * d
         for e in range(begin[i], begin[i] + solids_near[i]):
-            a -= face_weight[e] * face_adhesion(face[e].w, solid_strength, h) * face[e].xyz
+            a -= face_weight[e] * face_adhesion(face[e][DISTANCE], solid_strength, h) * face[e].xyz
         acceleration[i].xyz += a

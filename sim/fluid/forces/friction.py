@@ -18,6 +18,7 @@ from sim.device.arrays import mat3, real, vec3, vec4
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces.pairwise import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
+from sim.fluid.packed import DISTANCE
 from sim.fluid.spec import Fluid
 
 HOLD = 1.1
@@ -72,14 +73,14 @@ def wall_grip(distance: real, spacing: real, inverse_h: real) -> ti.types.vector
 def face_friction(face: vec4, v: vec3, spacing: real, inverse_h: real) -> vec3:
     """T v_t + N v_n [1/(m s)] beside one half-space, with unit normal and distance [m] in `face`, that fluid passes at
     the velocity v: the acceleration is this times the viscosity."""
-    grip = wall_grip(face.w, spacing, inverse_h)
+    grip = wall_grip(face[DISTANCE], spacing, inverse_h)
     return grip.x * v + (grip.y - grip.x) * face.xyz.dot(v) * face.xyz
 
 
 @ti.func
 def face_friction_block(face: vec4, spacing: real, inverse_h: real) -> mat3:
     """The derivatives of `face_friction` by the velocity [1/m^2]."""
-    grip = wall_grip(face.w, spacing, inverse_h)
+    grip = wall_grip(face[DISTANCE], spacing, inverse_h)
     return grip.x * ti.Matrix.identity(real, 3) + (grip.y - grip.x) * face.xyz.outer_product(face.xyz)
 
 

@@ -35,6 +35,7 @@ from sim.fluid.forces.friction import (
 )
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic_norm, cubic_slope, slope_norm
+from sim.fluid.packed import DENSITY
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem, ViscousDrag
 from sim.neighbors.spatial_hash import padded
@@ -212,7 +213,7 @@ def _begin(
         guess = velocity[i].xyz
         if remembered > 0.0:
             guess += remembered * slowing[i].xyz
-        search[i] = vec4(guess, velocity[i].w)
+        search[i] = vec4(guess, velocity[i][DENSITY])
     for i in range(count):
         x, v = position[i].xyz, search[i]
         block = ti.Matrix.identity(real, 3)
@@ -221,12 +222,12 @@ def _begin(
             vj = search[index[i, k]]
             d = x - position[index[i, k]].xyz
             r2 = d.dot(d)
-            strength = mass * slope_strength * viscous(2.0, viscosity) / (v.w + vj.w)
+            strength = mass * slope_strength * viscous(2.0, viscosity) / (v[DENSITY] + vj[DENSITY])
             strength *= cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening)
             block -= strength * d.outer_product(d)
             pull += strength * (v.xyz - vj.xyz).dot(d) * d
         if ti.static(has_grip):
-            heavy = rest_density / v.w
+            heavy = rest_density / v[DENSITY]
             for e in range(begin[i], begin[i] + solids_near[i]):
                 one = face_weight[e] * heavy * viscosity * face_friction_block(face[e], spacing, inverse_h)
                 block -= one
@@ -308,11 +309,11 @@ def _iterate(
                 pj = search[j]
                 d = x - position[j].xyz
                 r2 = d.dot(d)
-                strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p.w + pj.w)
+                strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p[DENSITY] + pj[DENSITY])
                 pull += strength * cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening) * d
             pull *= mass * slope_strength
             if ti.static(has_grip):
-                heavy = rest_density / p.w
+                heavy = rest_density / p[DENSITY]
                 for e in range(begin[i], begin[i] + solids_near[i]):
                     moved = p.xyz
                     if ti.static(part == PUSH):

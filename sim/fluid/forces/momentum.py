@@ -16,6 +16,7 @@ from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
+from sim.fluid.packed import DENSITY, DISTANCE, VOLUME, Q
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import padded
@@ -167,7 +168,7 @@ def _accelerate(
                 q = ti.sqrt(r2) * inverse_h
                 slope = cubic_slope(q)
                 if ti.static(has_pressure):
-                    push -= (x.w + xj.w) * slope * d  # Monaghan 1992, eq. 3.3
+                    push -= (x[Q] + xj[Q]) * slope * d  # Monaghan 1992, eq. 3.3
                 if ti.static(has_viscosity or has_artificial):
                     vj = velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
@@ -176,7 +177,7 @@ def _accelerate(
                         strength += viscous(approach, viscosity)
                     if ti.static(has_artificial):
                         strength += artificial(approach, artificial_strength)
-                    rub += 2.0 * strength / ((v.w + vj.w) * (r2 + softening)) * slope * d
+                    rub += 2.0 * strength / ((v[DENSITY] + vj[DENSITY]) * (r2 + softening)) * slope * d
                 if ti.static(has_cohesion):
                     pull -= cubic(ti.max(q, closest)) * d
         push *= mass * slope_norm
@@ -189,26 +190,30 @@ def _accelerate(
                 d = x.xyz - b.xyz
                 r2 = d.dot(d)
                 relative = v.xyz - sample_velocity[sample_index[i, k]].xyz
-                strength = rest_density * slope_norm * b.w
+                strength = rest_density * slope_norm * b[VOLUME]
                 gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
                 if ti.static(has_pressure):
-                    push -= x.w * gradient  # Akinci et al. 2012, eq. 9
+                    push -= x[Q] * gradient  # Akinci et al. 2012, eq. 9
                 if ti.static(has_damping):
-                    a += artificial(relative.dot(d), damping_strength) / (v.w * (r2 + softening)) * gradient
+                    a += artificial(relative.dot(d), damping_strength) / (v[DENSITY] * (r2 + softening)) * gradient
                 if ti.static(has_grip):
                     grip = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
-                    a += strength / v.w * grip
+                    a += strength / v[DENSITY] * grip
         if ti.static(has_pressure):
             if ti.static(has_solids):
-                push -= x.w * rest_density * solids[i].xyz
+                push -= x[Q] * rest_density * solids[i].xyz
                 push = along_faces(i, push, begin, solids_near, face, held, fit, inverse_h)
             a += push
         if ti.static(has_solids and (has_damping or has_grip)):
             for e in range(begin[i], begin[i] + solids_near[i]):
-                one, heavy = face[e], face_weight[e] * rest_density / v.w
+                one, heavy = face[e], face_weight[e] * rest_density / v[DENSITY]
                 relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
                 if ti.static(has_damping):
-                    a += heavy * face_damping(one.w, one.xyz.dot(relative), fit, inverse_h, damping_strength) * one.xyz
+                    a += (
+                        heavy
+                        * face_damping(one[DISTANCE], one.xyz.dot(relative), fit, inverse_h, damping_strength)
+                        * one.xyz
+                    )
                 if ti.static(has_grip):
                     a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
         acceleration[i].xyz = a + gravity

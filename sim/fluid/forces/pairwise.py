@@ -7,6 +7,7 @@ import taichi as ti
 
 from sim.device.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.kernel import cubic_host, cubic_slope, cubic_slope_host
+from sim.fluid.packed import Q
 from sim.neighbors.spatial_hash import padded
 
 SOFTENING = 0.01
@@ -31,7 +32,7 @@ def pressure_sum(i: ti.i32, position: Vec4Array, size: IntArray, index: IntTable
     for k in range(padded(size[i])):
         xj = position[index[i, k]]
         d = x.xyz - xj.xyz
-        a -= (x.w + xj.w) * cubic_slope(d.norm() * inverse_h) * d  # Monaghan 1992, eq. 3.3
+        a -= (x[Q] + xj[Q]) * cubic_slope(d.norm() * inverse_h) * d  # Monaghan 1992, eq. 3.3
     return a
 
 
@@ -59,12 +60,12 @@ def pair_pressures(
     a = vec3(0.0)
     if ti.static(corrected):
         x = position[i]
-        mine = x.w * matrix(correction[i], skew[i])
+        mine = x[Q] * matrix(correction[i], skew[i])
         for k in range(padded(size[i])):
             j = index[i, k]
             xj = position[j]
             d = x.xyz - xj.xyz
-            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj.w * matrix(correction[j], skew[j])) @ d)
+            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj[Q] * matrix(correction[j], skew[j])) @ d)
     else:
         a = pressure_sum(i, position, size, index, inverse_h)
     return a

@@ -15,6 +15,7 @@ import taichi as ti
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3, vec4
 from sim.fluid.forces.force import Force
 from sim.fluid.kernel import cubic_slope, slope_norm
+from sim.fluid.packed import DENSITY
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
 
@@ -98,8 +99,8 @@ def _accelerate(
         for k in range(padded(size[i])):
             j = index[i, k]
             d = x - position[j].xyz
-            n += cubic_slope(d.norm() * inverse_h) / velocity[j].w * d
-        normal[i] = vec4(h * mass * slope_strength * n, velocity[i].w)  # Akinci et al. 2013a, eq. 3
+            n += cubic_slope(d.norm() * inverse_h) / velocity[j][DENSITY] * d
+        normal[i] = vec4(h * mass * slope_strength * n, velocity[i][DENSITY])  # Akinci et al. 2013a, eq. 3
     for i in range(count):
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)
@@ -109,5 +110,5 @@ def _accelerate(
             r = ti.max(d.norm(), 1e-6 * h)
             pull = BALANCE * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
             # Lists may hold pairs that are further apart.
-            a -= ti.select(r < h, 2.0 * rest_density / (n.w + nj.w), 0.0) * pull
+            a -= ti.select(r < h, 2.0 * rest_density / (n[DENSITY] + nj[DENSITY]), 0.0) * pull
         acceleration[i].xyz += strength * a

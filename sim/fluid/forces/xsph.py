@@ -8,6 +8,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3
 from sim.fluid.kernel import cubic, cubic_norm
+from sim.fluid.packed import DENSITY
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import padded
 
@@ -54,7 +55,9 @@ def _mix(
         for k in range(padded(size[i])):
             j = index[i, k]
             vj = velocity[j]
-            change += 2.0 * cubic((x - position[j].xyz).norm() * inverse_h) / (v.w + vj.w) * (vj.xyz - v.xyz)
+            change += (
+                2.0 * cubic((x - position[j].xyz).norm() * inverse_h) / (v[DENSITY] + vj[DENSITY]) * (vj.xyz - v.xyz)
+            )
         mixed[i].xyz = v.xyz + weight * norm * change
     for i in range(count):
         velocity[i].xyz = mixed[i].xyz

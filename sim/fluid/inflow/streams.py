@@ -13,6 +13,7 @@ import taichi as ti
 from sim.device.arrays import IntArray, IntTable, Vec2iArray, Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.inflow.emitters import Outlet
 from sim.fluid.kernel import cubic
+from sim.fluid.packed import DENSITY
 from sim.fluid.system import FluidSystem
 
 FREE = -1
@@ -113,7 +114,7 @@ def _lead(
     for number in range(pressed.shape[0]):
         pressed[number] = 0
     for i in range(count):
-        if velocity[i].w > tight_density:
+        if velocity[i][DENSITY] > tight_density:
             for number in range(pressed.shape[0]):
                 if near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h):
                     pressed[number] = 1

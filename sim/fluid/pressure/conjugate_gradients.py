@@ -19,6 +19,7 @@ from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Ar
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces.pairwise import matrix, pair_pressures
 from sim.fluid.kernel import cubic_slope, slope_norm
+from sim.fluid.packed import Q
 from sim.fluid.pressure.incompressible import WORST
 from sim.fluid.sums import span
 from sim.fluid.system import FluidSystem
@@ -221,7 +222,7 @@ def _begin(
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         within = span(row, rows, count)
         for i in range(within[0], within[1]):
-            q, s = position[i].w, source[i]
+            q, s = position[i][Q], source[i]
             if warm != 0 and q + s * diagonal[i] / dt2 > 0.0:
                 gain += s * q
                 bend -= q * dt2 * acceleration[i].w
@@ -236,9 +237,9 @@ def _begin(
     for i in range(count):
         share, s = ti.cast(sums[last, 0], real), source[i]
         kept[i] = vec4(0.0, 0.0, 0.0, s)
-        search[i] = vec4(0.0, 0.0, position[i].w, 0.0)
+        search[i] = vec4(0.0, 0.0, position[i][Q], 0.0)
         left = s + share * dt2 * acceleration[i].w
-        position[i].w = ti.max(share * position[i].w + FIRST * left * diagonal[i] / dt2, 0.0)
+        position[i][Q] = ti.max(share * position[i][Q] + FIRST * left * diagonal[i] / dt2, 0.0)
 
 
 @ti.kernel
@@ -284,10 +285,10 @@ def _iterate(
             if first == 0:
                 q, left = search[i].x, kept[i].w
                 downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
-                position[i].w = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
+                position[i][Q] = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
         for i in range(count):
             a = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
-            a -= position[i].w * solid[i].xyz
+            a -= position[i][Q] * solid[i].xyz
             if solids_near[i] > 0:
                 a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
             pressure_acceleration[i].xyz = a
@@ -314,7 +315,7 @@ def _iterate(
                     change -= pressure_acceleration[i].w
                 left = source[i] + dt2 * change
                 pressure_acceleration[i].w = left
-                step = x.w - search[i].x
+                step = x[Q] - search[i].x
                 gain += step * kept[i].w
                 bend += step * (kept[i].w - left)
             sums[row, 0] = gain
@@ -333,7 +334,7 @@ def _iterate(
             share = ti.cast(sums[last, 1], real)
             within = span(row, rows, count)
             for i in range(within[0], within[1]):
-                step = share * (position[i].w - search[i].x)
+                step = share * (position[i][Q] - search[i].x)
                 change = share * (pressure_acceleration[i] - kept[i])
                 kept[i] += change
                 search[i].x += step
@@ -394,8 +395,8 @@ def _finish(
         changed = (kept[i].w - source[i]) / (dt * dt)
         kept[i].w = changed
         if warm != 0:
-            position[i].w = search[i].x
+            position[i][Q] = search[i].x
             acceleration[i].w = changed
         else:
-            position[i].w = search[i].z
+            position[i][Q] = search[i].z
     return ti.sqrt(strongest)

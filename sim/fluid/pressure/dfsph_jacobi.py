@@ -37,6 +37,7 @@ from sim.fluid.boundary.half_space import along_faces, face_slope, void_of
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.pairwise import pressure_sum
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, lattice, slope_norm
+from sim.fluid.packed import DISTANCE, Q
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
 from sim.fluid.pressure.projection import Projection
@@ -169,7 +170,7 @@ def growth(spacing: float, h: float) -> float:
 def _begin(count: ti.i32, loose: real, position: Vec4Array, source: RealArray):
     """Take over the pressures of the last step; loose: `LOOSE` as a density [kg/m^3]."""
     for i in range(count):
-        position[i].w *= ti.math.clamp(1.0 + source[i] / loose, 0.0, 1.0)
+        position[i][Q] *= ti.math.clamp(1.0 + source[i] / loose, 0.0, 1.0)
 
 
 @ti.kernel
@@ -212,14 +213,14 @@ def _begin_divergence(
         void = void_of(begin[i], last, face, face_weight, fit, inverse_h)
         for e in range(begin[i], last):
             solid_velocity = felt_velocity(e, x, begin[i], last, solid_of, face, pose, spacing)
-            slope = face_slope(face[e].w, face_weight[e], void, fit, inverse_h)
+            slope = face_slope(face[e][DISTANCE], face_weight[e], void, fit, inverse_h)
             solids += slope * face[e].xyz.dot(v - solid_velocity)
-            filled += face_weight[e] * cap(face[e].w * inverse_h)
+            filled += face_weight[e] * cap(face[e][DISTANCE] * inverse_h)
         rate = strength * pairs + rest_density * solids  # the paper, eq. 15
         source[i] = ti.select(filled >= FEW, dt * rate, EXEMPT)
         pressure_acceleration[i] = vec4(0.0, 0.0, 0.0, source[i])
-        search[i].x = position[i].w
-        position[i].w = 0.0
+        search[i].x = position[i][Q]
+        position[i][Q] = 0.0
 
 
 @ti.func
@@ -232,14 +233,14 @@ def cap(q: real) -> real:
 @ti.kernel
 def _remember(count: ti.i32, position: Vec4Array, corrected: Vec4Array):
     for i in range(count):
-        corrected[i] = vec4(0.0, 0.0, 0.0, position[i].w)
+        corrected[i] = vec4(0.0, 0.0, 0.0, position[i][Q])
 
 
 @ti.kernel
 def _add_up(count: ti.i32, position: Vec4Array, search: Vec4Array):
     """The pressure of a step is that of both solves."""
     for i in range(count):
-        position[i].w += search[i].x
+        position[i][Q] += search[i].x
 
 
 @ti.kernel
@@ -273,10 +274,10 @@ def _iterate(
     for i in range(count):
         if step > 0.0:
             q = pressure_acceleration[i].w * diagonal[i] / dt2  # the paper, eq. 15 and 18, over rho
-            position[i].w = ti.max(position[i].w + step * q, 0.0)
+            position[i][Q] = ti.max(position[i][Q] + step * q, 0.0)
     for i in range(count):
         # The paper, eq. 16 and 19.
-        a = strength * pressure_sum(i, position, size, index, inverse_h) - position[i].w * solid[i].xyz
+        a = strength * pressure_sum(i, position, size, index, inverse_h) - position[i][Q] * solid[i].xyz
         if solids_near[i] > 0:
             a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
         pressure_acceleration[i].xyz = a

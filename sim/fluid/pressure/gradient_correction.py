@@ -31,6 +31,7 @@ from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.samples import approach, sheet_share
 from sim.fluid.forces.pairwise import matrix
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice, slope_norm
+from sim.fluid.packed import DENSITY, DISTANCE, VOLUME
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import fall_limit
 from sim.neighbors.spatial_hash import padded
@@ -100,7 +101,7 @@ def _share_back(system: FluidSystem, dt: float) -> float:
 @ti.func
 def face_pull(face: vec4, weight: real, lens: mat3, inverse_h: real) -> vec3:
     """What a half-space adds to G, over the rest density [1/m]."""
-    area = halfspace_area(ti.max(face.w, 0.0) * inverse_h) * inverse_h
+    area = halfspace_area(ti.max(face[DISTANCE], 0.0) * inverse_h) * inverse_h
     return -2.0 * weight * area * (lens @ face.xyz)
 
 
@@ -182,10 +183,10 @@ def _compression_rates(
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
                 d = x - b.xyz
-                sums -= slope_strength * b.w * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
+                sums -= slope_strength * b[VOLUME] * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
         filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
         for e in range(begin[i], last):
-            n, q = face[e].xyz, ti.max(face[e].w, 0.0) * inverse_h
+            n, q = face[e].xyz, ti.max(face[e][DISTANCE], 0.0) * inverse_h
             across = q * halfspace_area(q)
             sums += 2.0 * face_weight[e] * across * n.outer_product(n)
             room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
@@ -223,5 +224,5 @@ def _compression_rates(
         whole = strength * along + rest_density * gradient
         d_ii = whole.dot(whole) + strength * strength * squares
         diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
-        density = relieved(v.w, rest_density, excess[i])
+        density = relieved(v[DENSITY], rest_density, excess[i])
         source[i] = back * (density - rest_density) + dt * (strength * pairs + rest_density * rate)

@@ -11,6 +11,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec4
 from sim.fluid.boundary.samples import remember_displacement
+from sim.fluid.packed import Q
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.conjugate_gradients import ConjugateGradients, Solution
 from sim.fluid.pressure.incompressible import Incompressible, kick
@@ -101,7 +102,7 @@ class Iisph(Incompressible):
 @ti.kernel
 def _take(count: ti.i32, sign: real, position: Vec4Array, acceleration: Vec4Array, kept: Vec4Array, search: Vec4Array):
     for i in range(count):
-        position[i].w += sign * search[i].x
+        position[i][Q] += sign * search[i].x
         acceleration[i].w += sign * kept[i].w
 
 

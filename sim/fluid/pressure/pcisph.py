@@ -23,6 +23,7 @@ from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope_host, lattice, slope_norm
+from sim.fluid.packed import DENSITY, Q
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem
@@ -143,7 +144,7 @@ class Pcisph(Incompressible):
 @ti.kernel
 def _begin(count: ti.i32, position: Vec4Array, pressure_acceleration: Vec4Array, solid: Vec4Array):
     for i in range(count):
-        position[i].w = 0.0
+        position[i][Q] = 0.0
         pressure_acceleration[i] = vec4(0.0)
         solid[i] = vec4(0.0)
 
@@ -164,7 +165,7 @@ def _predict(
 @ti.kernel
 def _keep_density(count: ti.i32, rest_density: real, velocity: Vec4Array, predicted: Vec4Array):
     for i in range(count):
-        velocity[i].w = rest_density + predicted[i].w
+        velocity[i][DENSITY] = rest_density + predicted[i].w
 
 
 @ti.kernel
@@ -251,10 +252,10 @@ def _raise(
     strength = mass * slope_norm(inverse_h)
     for i in range(count):
         diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
-        position[i].w = ti.max(position[i].w + factor / diagonal * predicted[i].w, 0.0)
+        position[i][Q] = ti.max(position[i][Q] + factor / diagonal * predicted[i].w, 0.0)
     for i in range(count):
         a = pressure_sum(i, position, size, index, inverse_h)
-        a = strength * a - position[i].w * solid[i].xyz
+        a = strength * a - position[i][Q] * solid[i].xyz
         if solid[i].xyz.any():
             a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
         pressure_acceleration[i].xyz = a

@@ -22,6 +22,7 @@ from sim.fluid.boundary.gaps import relieved
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, cubic_slope_host, lattice
+from sim.fluid.packed import DENSITY
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import itself, padded
 
@@ -166,7 +167,7 @@ def _prepare(
             share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
         density += rest_density * share.w
         gradient = rest_density * share.xyz
-        velocity[i].w = density
+        velocity[i][DENSITY] = density
         solid[i] = vec4(gradient, rest_density * share.w)
         if ti.static(has_diagonal):
             whole = mass * slope_norm * along + gradient

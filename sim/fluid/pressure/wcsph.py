@@ -13,6 +13,7 @@ from sim.fluid.boundary.gaps import relieved
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import Mixing
 from sim.fluid.kernel import cubic, cubic_norm
+from sim.fluid.packed import DENSITY, VOLUME, Q
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.time_step_limits import force_limit, light_limit
 from sim.neighbors.spatial_hash import itself, padded
@@ -144,12 +145,12 @@ def _density(
             solid = ti.cast(0.0, real)
             for k in range(sample_size[i]):
                 b = samples[sample_index[i, k]]
-                solid += b.w * cubic((x - b.xyz).norm() * inverse_h)
+                solid += b[VOLUME] * cubic((x - b.xyz).norm() * inverse_h)
             density += rest_density * norm * solid
         density += rest_density * solids[i].w
         ratio = relieved(density, rest_density, excess[i]) / rest_density
         ratio2 = ratio * ratio
         # Becker & Teschner 2007, eq. 7
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)
-        velocity[i].w = density
-        position[i].w = pressure / (density * density)
+        velocity[i][DENSITY] = density
+        position[i][Q] = pressure / (density * density)
