@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -86,22 +87,8 @@ def write_surface(
     for names, values in (("xyz", vertices), (("nx", "ny", "nz"), normals), (("vx", "vy", "vz"), velocities)):
         for axis, name in enumerate(names):
             points[name] = values[:, axis]
-    faces = np.empty(len(triangles), _TRIANGLE)
-    faces["count"] = 3
-    faces["vertices"] = triangles
-    header = [
-        "ply",
-        "format binary_little_endian 1.0",
-        f"element vertex {len(points)}",
-        *(f"property float {name}" for name in _SURFACE_NAMES),
-        f"element face {len(faces)}",
-        "property list uchar int vertex_indices",
-        "end_header",
-    ]
     with path.open("wb") as file:
-        file.write("\n".join([*header, ""]).encode("ascii"))
-        file.write(points.tobytes())
-        file.write(faces.tobytes())
+        _write_mesh(file, points, [f"float {name}" for name in _SURFACE_NAMES], triangles)
 
 
 def write_points(path: Path, points: np.ndarray) -> None:
@@ -137,20 +124,25 @@ def write_mesh(
         points["velocity"] = velocities
     if colors is not None:
         points["color"] = colors[:, :3]
-    triangles = np.empty(len(faces), dtype=[("count", "u1"), ("index", "<i4", (3,))])
-    triangles["count"] = 3
-    triangles["index"] = faces
+    kinds = [f"float {name}" for name in ("x", "y", "z", *rates)] + [f"uchar {channel}" for channel in channels]
+    with whole(path) as stream:
+        _write_mesh(stream, points, kinds, faces)
+
+
+def _write_mesh(stream: BinaryIO, points: np.ndarray, properties: Sequence[str], triangles: np.ndarray) -> None:
+    """Vertices, whose `properties` are of the kinds and names given, shape [n]; vertex indices, shape [m, 3]."""
+    faces = np.empty(len(triangles), _TRIANGLE)
+    faces["count"] = 3
+    faces["vertices"] = triangles
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        f"element vertex {len(vertices)}",
-        *(f"property float {name}" for name in ("x", "y", "z", *rates)),
-        *(f"property uchar {channel}" for channel in channels),
+        f"element vertex {len(points)}",
+        *(f"property {kind}" for kind in properties),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
         "end_header",
     ]
-    with whole(path) as stream:
-        stream.write(("\n".join(header) + "\n").encode())
-        stream.write(points.tobytes())
-        stream.write(triangles.tobytes())
+    stream.write(("\n".join(header) + "\n").encode("ascii"))
+    stream.write(points.tobytes())
+    stream.write(faces.tobytes())

@@ -224,9 +224,10 @@ class Plan:
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)
         if key not in self._digests:
-            self._digests[key] = sources.digest(ENTRY[stage], self.root, materials)
-        beside = additions.digest(stage)
-        return f"code {self._digests[key][:32]}{beside and f' and {beside[:32]}'}"
+            beside = additions.digest(stage)
+            own = sources.digest(ENTRY[stage], self.root, materials)
+            self._digests[key] = f"{own[:32]} and {beside[:32]}" if beside else own[:32]
+        return f"code {self._digests[key]}"
 
 
 def _render_spec(scene: Scene) -> str:

@@ -52,12 +52,10 @@ class JobLookup(ABC):
 
         def file(wildcards: Any) -> str:
             spec = self.job(stage, wildcards).spec
-            if not self._dry():
-                try:
-                    write_spec(spec)
-                except OSError as error:
-                    stop(f"{error.filename}: cannot be written: {error.strerror}")
-            return spec_file(spec)
+            try:
+                return spec_file(spec) if self._dry() else write_spec(spec)
+            except OSError as error:
+                stop(f"{error.filename}: cannot be written: {error.strerror}")
 
         return file
 

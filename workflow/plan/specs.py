@@ -19,10 +19,11 @@ def spec_file(spec: str) -> str:
     return f"{FOLDER}/{hashlib.sha256(spec.encode()).hexdigest()[:32]}.json"
 
 
-def write_spec(spec: str) -> None:
-    """Write that file, unless it is there; one setting a line, for `diff`. Raises OSError."""
+def write_spec(spec: str) -> str:
+    """Write that file, unless it is there; one setting a line, for `diff`. Returns its name; raises OSError."""
     path = Path(spec_file(spec))
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         text = json.dumps(json.loads(spec), indent=1) + "\n"
         write_whole(path, lambda partial: partial.write_text(text, encoding="utf-8"))
+    return str(path)
