@@ -91,6 +91,7 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
     """q = x_z over a lattice: layers next to a wall are accelerated as those inside are, or water at rest would sink or
     rise along upright walls. In an edge the product of what both walls take is nearly what both together do."""
     from sim.device.arrays import vec4
+    from sim.fluid.forces.pairwise import Lens
     from sim.fluid.pressure.gradient_correction import compression_rates
     from tests.pushed import push_along
 
@@ -108,15 +109,9 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
     out = taichi.ndarray(vec4, len(x))
     push_along(
         particles.position,
-        particles.correction,
-        particles.skew,
-        near.size,
-        near.index,
-        faces.begin,
-        faces.size,
-        faces.face,
-        faces.held,
-        faces.fit,
+        particles.bundle(Lens),
+        near.lists,
+        faces.lists,
         1.0 / H,
         out,
     )

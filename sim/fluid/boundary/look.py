@@ -8,7 +8,7 @@ nothing else the half-space goes on as it was.
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.arrays import DoubleTable, real, vec3, vec4
 from sim.device.double import vec3 as vec3d
 from sim.device.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
@@ -75,26 +75,19 @@ def look(
     p: vec3d,
     near: vec4,
     hollow: bool,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    bend: RealArray,
+    solids: ti.template(),
 ) -> vec4:
     """Unit normal and distance [m] of a solid at p, both in its own frame; `near`: normal and offset there of the
     half-space that it was before; kinds: a bit for each kind that there is."""
     found = vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
             if near.w < FAR:
-                found = on_band(s, p, size[s].w, near, hollow, shift, frame, lattice, table, nodes, bend)
+                found = on_band(s, p, solids.size[s].w, near, hollow, solids)
     else:
-        found = on_form(s, p, kind, size, shift, kinds)
-        if kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
+        found = on_form(s, p, kinds, solids)
+        if solids.kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
             found = plane_of(near, p)
     return found
 
@@ -103,19 +96,17 @@ def look(
 def on_form(
     s: ti.i32,
     p: vec3d,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
+    solids: ti.template(),
 ) -> vec4:
     """Unit normal and distance [m] of a plane or primitive at p, on whichever side that is."""
     found = vec4(0.0, 1.0, 0.0, FAR)
     if ti.static(kinds >> PLANE & 1):
-        if kind[s] == PLANE:
+        if solids.kind[s] == PLANE:
             found = ti.cast(distance_to_plane(p), real)
     if ti.static(kinds & CURVED):
-        if kind[s] != PLANE and kind[s] != GRID:
-            found = on_primitive(kind[s], p, size[s], kinds, shift)
+        if solids.kind[s] != PLANE and solids.kind[s] != GRID:
+            found = on_primitive(solids.kind[s], p, solids.size[s], kinds, solids.shift)
     return found
 
 
@@ -124,23 +115,17 @@ def half_spaces(
     s: ti.i32,
     p: vec3d,
     reach: real,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
+    solids: ti.template(),
 ):
     """Normals and offsets of up to three half-spaces that a solid is to p within `reach` [m], whatever it was before;
     FAR where it is none."""
     first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            first, second, third = fronts(s, p, size[s].w, reach, frame, lattice, table, nodes)
+            first, second, third = fronts(s, p, solids.size[s].w, reach, solids)
     else:
-        first = plane_of(on_form(s, p, kind, size, shift, kinds), p)
+        first = plane_of(on_form(s, p, kinds, solids), p)
     return first, second, third
 
 
@@ -148,22 +133,16 @@ def half_spaces(
 def half_space(
     s: ti.i32,
     p: vec3d,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
+    solids: ti.template(),
 ) -> vec4:
     """The one of them that tells which side of the surface p is on."""
     found = vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            found = front_at(s, p, size[s].w, frame, lattice, table, nodes)[0]
+            found = front_at(s, p, solids.size[s].w, solids)[0]
     else:
-        found = plane_of(on_form(s, p, kind, size, shift, kinds), p)
+        found = plane_of(on_form(s, p, kinds, solids), p)
     return found
 
 

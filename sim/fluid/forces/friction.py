@@ -18,7 +18,7 @@ from sim.device.arrays import mat3, real, vec3, vec4
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces.pairwise import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
-from sim.fluid.packed import DISTANCE
+from sim.fluid.layout import DISTANCE
 from sim.fluid.spec import Fluid
 
 HOLD = 1.1
