@@ -9,7 +9,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, DoubleTable, IntArray, Particles, Vec4Array, real, vec3
 from sim.fluid.boundary.boundary import Boundary
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.fluid.layout import DENSITY, DISTANCE, Points, Q, Resolution, Walls
 from sim.fluid.spec import Fluid
@@ -221,7 +221,7 @@ class FluidSystem:
         how far [m] any of them has moved in it at most."""
         self._noted = self.boundary.shapes.meshes and self._listed and self._distance_left <= distance
         if self._noted:
-            self.meet(pulls=False)
+            self.update_half_spaces(pulls=False)
             self.boundary.faces.note(self.count, self.particles.known)
         if self.flow and self.flow.exchange(dt):
             self._distance_left = 0.0
@@ -232,7 +232,7 @@ class FluidSystem:
         if self.flow:
             self.flow.lead()
 
-    def meet(
+    def update_half_spaces(
         self,
         ahead: float = 0.0,
         *,
@@ -268,7 +268,7 @@ class FluidSystem:
                 self.bodies.list()
             return
         if self._distance_left > 0:
-            self.meet(since=dt)
+            self.update_half_spaces(since=dt)
             return
         self._distance_left = self._skin / 2
         self.particles.reorder(self.grid.sort(self.particles.position, self.count))
@@ -285,7 +285,7 @@ class FluidSystem:
     def find_solids(self, dt: float = 0.0) -> None:
         """List the solids near particles as they lie, which need not be sorted, `dt` [s] after the last time."""
         self.boundary.list(self.particles.position, self.count)
-        self.meet(since=dt)
+        self.update_half_spaces(since=dt)
 
     def pressures(self) -> np.ndarray:
         """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
@@ -385,10 +385,10 @@ def _measure(
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
                 row[7 + axis] += x[axis]
-            density = relieved(v[DENSITY], rest_density, walls.excess[i])
+            density = pressing_density(v[DENSITY], rest_density, walls.excess[i])
             row[10] = ti.max(row[10], density)
             crowded = v[DENSITY] - ti.max(walls.share[i].w - alone, 0.0) * rest_density
-            row[16] = ti.max(row[16], relieved(crowded, rest_density, walls.excess[i]))
+            row[16] = ti.max(row[16], pressing_density(crowded, rest_density, walls.excess[i]))
             row[11] += ti.max(density / rest_density - 1.0, 0.0)
             row[17] = ti.max(row[17], x[Q])
             finite = (

@@ -8,7 +8,7 @@ equations of `sim.coupling.fluid_rigid.reaction`, with the opposite of what they
 the ground so draws in fluid from its rim, and can come up no faster than that lets it.
 
 Where one or two layers of particles are in a gap, they press on what encloses them by how well they fit in, and not by
-the pressure around (`sim.fluid.boundary.face_sums.wide`): there, too, the film acts in their place.
+the pressure around (`sim.fluid.boundary.gaps.openness`): there, too, the film acts in their place.
 """
 
 from __future__ import annotations

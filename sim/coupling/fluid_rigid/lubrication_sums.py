@@ -5,7 +5,7 @@ from typing import Any
 import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
-from sim.fluid.boundary.gaps import facing, wide
+from sim.fluid.boundary.gaps import facing, openness
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import Q, Resolution, Walls
 from sim.neighbors.spatial_hash import Neighbors
@@ -96,7 +96,7 @@ def press(
             other = walls.face[walls.begin[e] + k]
             if facing(elements.normals[e].xyz / elements.here[e].w, other.xyz):
                 closed = ti.math.clamp((ENTERED - other.w / fluid.spacing) / (ENTERED - CLOSED), 0.0, 1.0)
-                open_gap = wide(other.w, fluid.spacing, slim[elements.own[e]])
+                open_gap = openness(other.w, fluid.spacing, slim[elements.own[e]])
                 lubrication = ti.max(lubrication, closed * (1.0 - covered * open_gap))
         elements.found[e] = vec4(lubrication, pressure / ti.max(wet, WET), wet, 0.0)
     for e in range(elements.beside.shape[0]):

@@ -19,7 +19,7 @@ import taichi as ti
 from sim.coupling.fluid_rigid import reaction_sums
 from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES, BodySums
 from sim.device.arrays import GROWTH, integer_array
-from sim.fluid.forces.momentum import BY_SOLIDS, GRIP
+from sim.fluid.forces.momentum import BY_SOLIDS, WALL_FRICTION
 from sim.fluid.forces.pairwise import Lens
 
 if TYPE_CHECKING:
@@ -39,17 +39,17 @@ class Lubrication(Protocol):
         """Write wrenches by the pressures as q in w, or where they are `found` in x, shape [bodies, 6]."""
 
     def add_response(self, response: ti.Ndarray) -> None:
-        """Add to pressure_acceleration.w what these answers of bodies do to those particles."""
+        """Add to pressure_acceleration.w what these responses of bodies do to those particles."""
 
 
 INERTIA = 13
-"""Numbers that say how a body answers a force: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
+"""Numbers of a body that decide its response: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
 
 
 class Reaction:
     """Sums for the bodies that are the `solids`, by their index, in the boundary of `system`.
 
-    A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; an answer is the acceleration
+    A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; a response is the acceleration
     [m/s^2] and the angular acceleration [rad/s^2] by it. body_of: of each solid which of these it is, or -1; sums: its
     entries in order, and what is summed over them.
     """
@@ -64,7 +64,7 @@ class Reaction:
         self._partial = ti.ndarray(ti.f64, (PARTS * self.count, 6))
         self._tally = ti.ndarray(ti.i32, RANGES * self.count)
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
-        self._wrench, self._response, self._by_film = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
+        self._wrench, self._response, self._by_lubrication = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
         self.sums = self._sums_of(ti.ndarray(ti.i32, 1))
         self.lubrication: Lubrication | None = None
 
@@ -83,24 +83,24 @@ class Reaction:
             order,
             self._inertia,
             self._partial,
-            self._by_film,
+            self._by_lubrication,
             self._wrench,
             self._response,
         )
 
-    def films(self) -> np.ndarray:
+    def lubrication_wrenches(self) -> np.ndarray:
         """Wrenches of films by the pressures in position.w."""
-        self._press_films(self.system.particles.position, found=False)
-        return self._by_film.to_numpy()
+        self._sum_lubrication(self.system.particles.position, found=False)
+        return self._by_lubrication.to_numpy()
 
-    def _press_films(self, pressure: ti.Ndarray, *, found: bool) -> None:
+    def _sum_lubrication(self, pressure: ti.Ndarray, *, found: bool) -> None:
         if self.lubrication and self.lubrication.active:
-            self.lubrication.pressed(pressure, self._by_film, found=found)
+            self.lubrication.pressed(pressure, self._by_lubrication, found=found)
         else:
-            self._by_film.fill(0)
+            self._by_lubrication.fill(0)
 
-    def weigh(self, inertia: np.ndarray) -> None:
-        """Say how bodies answer forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
+    def set_inertia(self, inertia: np.ndarray) -> None:
+        """Set how bodies respond to forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
         self.inertia = inertia
         self._inertia.from_numpy(np.ascontiguousarray(inertia))
 
@@ -110,7 +110,7 @@ class Reaction:
         system, adhesion = self.system, momentum.adhesion
         terms, viscosity = momentum.terms, momentum.viscosity
         if friction is not None:
-            terms, viscosity = (terms | GRIP) if friction > 0 else (terms & ~GRIP), friction
+            terms, viscosity = (terms | WALL_FRICTION) if friction > 0 else (terms & ~WALL_FRICTION), friction
         reaction_sums.push_back(
             terms & BY_SOLIDS,
             viscosity,
@@ -142,15 +142,15 @@ class Reaction:
         return self._wrench.to_numpy()
 
     def respond(self, ahead: float) -> None:
-        """Find how bodies answer the pressures in position.w, and leave in pressure_acceleration.w by how much that
+        """Find how bodies respond to the pressures in position.w, and leave in pressure_acceleration.w by how much that
         lowers the second derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be
         `ahead` [s]."""
         self._sum(ahead, self.system.particles.position, found=False)
         self._add_response(ahead)
 
-    def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As `response`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
-        returns the wrenches and answers."""
+    def respond_beside_expected(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `respond`, where bodies will be `dt` ahead, less the response that was expected, shape [bodies, 6];
+        returns the wrenches and responses."""
         self._sum(dt, self.system.particles.position, found=False)
         wrench, response = self._wrench.to_numpy(), self._response.to_numpy()
         self._response.from_numpy(response - expected)
@@ -158,12 +158,12 @@ class Reaction:
         return wrench, response
 
     def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
-        """Wrenches of the pressures found, which are in search.x, and the answers; shape [bodies, 6]."""
+        """Wrenches of the pressures found, which are in search.x, and the responses; shape [bodies, 6]."""
         self._sum(ahead, self.system.particles.search, found=True)
         return self._wrench.to_numpy(), self._response.to_numpy()
 
     def subtract_predicted(self, dt: float, response: np.ndarray) -> None:
-        """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
+        """Bodies are where this response, shape [bodies, 6], has taken them in the step: it is no compression then."""
         self._response.from_numpy(response)
         self._add_response(dt)
         reaction_sums.subtract_predicted(
@@ -172,8 +172,8 @@ class Reaction:
 
     def _sum(self, ahead: float, pressure: ti.Ndarray, *, found: bool) -> None:
         system = self.system
-        self._press_films(pressure, found=found)
-        reaction_sums.answer_pressure(
+        self._sum_lubrication(pressure, found=found)
+        reaction_sums.respond(
             ahead,
             system.mass * system.spec.rest_density,
             system.particles.position,

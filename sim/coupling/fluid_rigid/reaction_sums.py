@@ -6,7 +6,7 @@ import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3, vector
 from sim.fluid.boundary.half_space import along_face
-from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.boundary.pose import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
 from sim.fluid.forces.momentum import ADHESION, PRESSURE, Coefficients, slowed_by_face
 from sim.fluid.forces.pairwise import Lens, pair_pressures
@@ -31,7 +31,7 @@ BodySums: Any = ti.types.argpack(
     order=IntArray,
     inertia=DoubleTable,
     partial=DoubleTable,
-    by_film=DoubleTable,
+    by_lubrication=DoubleTable,
     wrench=DoubleTable,
     response=DoubleTable,
 )
@@ -186,7 +186,7 @@ def hold(
 
 
 @ti.kernel
-def answer_pressure(
+def respond(
     ahead: real,
     strength: real,
     position: Vec4Array,
@@ -196,8 +196,8 @@ def answer_pressure(
     walls: Walls,
     bodies: BodySums,
 ):
-    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers; strength:
-    mass of a particle times the rest density."""
+    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the responses of bodies;
+    strength: mass of a particle times the rest density."""
     for k in range(bodies.partial.shape[0]):
         total = vec6d(0.0)
         centre = vector(bodies.inertia, k // PARTS, 0)
@@ -212,7 +212,7 @@ def answer_pressure(
     for body in range(bodies.wrench.shape[0]):
         total = gather(bodies.partial, body)
         for axis in ti.static(range(6)):
-            total[axis] += bodies.by_film[body, axis]
+            total[axis] += bodies.by_lubrication[body, axis]
         keep(bodies.wrench, body, 0, total)
         for row in ti.static(range(3)):
             bodies.response[body, row] = bodies.inertia[body, 3] * total[row]
@@ -248,6 +248,6 @@ def add_response(
 
 @ti.kernel
 def subtract_predicted(count: ti.i32, dt: real, pressure_acceleration: Vec4Array, source: RealArray):
-    """Take compression as it would be, had bodies not answered already."""
+    """Take compression as it would be, had bodies not responded already."""
     for i in range(count):
         source[i] += dt * dt * pressure_acceleration[i].w

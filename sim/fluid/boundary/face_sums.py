@@ -5,17 +5,18 @@ import taichi as ti
 from sim.device.arrays import IntArray, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.gaps import (
     INCLINED,
-    denser,
+    allowed_excess,
     facing,
-    lacking,
-    led,
-    most_lacking,
-    relieved,
+    missing_room,
+    most_missing_room,
+    openness,
+    pressing_density,
     slack_after,
-    wide,
+    steered,
 )
 from sim.fluid.boundary.half_space import along_faces, face_slope, left_of, own_share
-from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
+from sim.fluid.boundary.nearest_half_space import FAR, half_space, half_spaces, nearest_half_space
+from sim.fluid.boundary.pose import surface_velocity, to_local, to_world
 from sim.fluid.layout import DENSITY, DISTANCE, Points, Solids, Walls
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import GRID, PLANE
@@ -42,7 +43,7 @@ def count(
         found = 0
         for s in range(number):
             if _comes_near(s, low, high, reach, solids):
-                found += fronts_of(solids.kind[s])
+                found += most_half_spaces(solids.kind[s])
         first[g + 1] = found
     ti.loop_config(serialize=True)
     for _ in range(1):
@@ -76,7 +77,7 @@ def _comes_near(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, solids: ti.temp
 
 
 @ti.func
-def fronts_of(kind: ti.i32) -> ti.i32:
+def most_half_spaces(kind: ti.i32) -> ti.i32:
     """Half-spaces that a solid of this kind may be to one particle."""
     return ti.select(kind == GRID, 3, 1)
 
@@ -113,9 +114,9 @@ def find(
         slot = first[g]
         for s in range(number):
             if _comes_near(s, low, high, reach, solids):
-                for k in range(fronts_of(solids.kind[s])):
+                for k in range(most_half_spaces(solids.kind[s])):
                     member[slot + k] = s if k == 0 else -1
-                slot += fronts_of(solids.kind[s])
+                slot += most_half_spaces(solids.kind[s])
     for i in range(count):
         g = i // GROUP
         room = first[g + 1] - first[g]
@@ -130,7 +131,7 @@ def find(
             if wanted:
                 wanted = _beside(s, x, x, reach, solids)
             if wanted:
-                p = to_own(s, x, solids.pose)
+                p = to_local(s, x, solids.pose)
                 one, second, third = half_spaces(s, p, ti.cast(reach, real), kinds, solids)
                 for c in range(3):
                     front = one if c == 0 else (second if c == 1 else third)
@@ -174,27 +175,28 @@ def place(
             x = points.position[i].xyz + ahead * points.velocity[i].xyz
             for e in range(first, last):
                 s = walls.solid[e]
-                p = to_own(s, x, solids.pose)
+                p = to_local(s, x, solids.pose)
                 hollow = (e > first and walls.solid[e - 1] == s) or (e + 1 < last and walls.solid[e + 1] == s)
-                one = look(s, p, walls.near[e], hollow, kinds, solids)
+                one = nearest_half_space(s, p, walls.near[e], hollow, kinds, solids)
                 walls.face[e] = vec4(to_world(s, one.xyz, solids.pose), one.w)
             if has_slack == 1:
                 loose, ease = points.slack[i], points.eased[i]
                 if since >= 0.0:
                     v = points.velocity[i]
-                    compression = relieved(v[DENSITY], rest_density, denser(loose, spacing) + ease) / rest_density - 1.0
+                    excess = allowed_excess(loose, spacing) + ease
+                    compression = pressing_density(v[DENSITY], rest_density, excess) / rest_density - 1.0
                     loose = slack_after(loose, since, v.xyz, compression, fall)
                     ease = slack_after(ease * spacing, since, v.xyz, compression, fall) / spacing
-                loose = ti.max(loose, most_lacking(first, last, walls))
+                loose = ti.max(loose, most_missing_room(first, last, walls))
                 if since > 0.0 and loose > 0.0:
-                    points.velocity[i].xyz = led(points.velocity[i].xyz, x, since, fall, loose, first, last, walls)
+                    points.velocity[i].xyz = steered(points.velocity[i].xyz, x, since, fall, loose, first, last, walls)
             for e in range(first, last):
                 open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - walls.face[e][DISTANCE]), 0.0)
                 for other in range(first, last):
                     if walls.solid[other] != walls.solid[e] and facing(walls.face[e].xyz, walls.face[other].xyz):
                         gap = walls.face[e][DISTANCE] + walls.face[other][DISTANCE]
-                        open_gap = ti.min(open_gap, wide(gap, spacing, solids.slim[walls.solid[e]]))
-                        off = ti.max(off, lacking(walls.face[e], walls.face[other], INCLINED, spacing))
+                        open_gap = ti.min(open_gap, openness(gap, spacing, solids.slim[walls.solid[e]]))
+                        off = ti.max(off, missing_room(walls.face[e], walls.face[other], INCLINED, spacing))
                 walls.weight[e] = off
                 if has_pull == 1:
                     walls.pull[e].w = ti.select(solids.firm[walls.solid[e]] == 1, 1.0, open_gap)
@@ -225,7 +227,7 @@ def place(
         if since >= 0.0:
             points.slack[i], points.eased[i] = loose, ease
         walls.share[i] = vec4(gradient, total)
-        walls.excess[i] = denser(loose, spacing) + ease
+        walls.excess[i] = allowed_excess(loose, spacing) + ease
 
 
 @ti.kernel
@@ -295,7 +297,7 @@ def prevent_penetration(
         for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
             s = walls.solid[e]
             x = position[i].xyz
-            p = to_own(s, x, solids.pose)
+            p = to_local(s, x, solids.pose)
             at = ti.cast(p, real)
             side = walls.near[e]
             if side.xyz.dot(at) - side.w < 0.0 and solids.kind[s] != PLANE:

@@ -26,8 +26,9 @@ class Faces:
     begin, size: of the entries of each point; solid, particle: of each entry; face: unit normal and distance [m];
     weight of each: less where a nearer one faces the same way; held: the same, of solids that hold fluid along them;
     pull: what it alone adds to the gradient of the density, over the rest density [1/m], as pressure feels it
-    (`along_faces`), and how far it does where another is near (`gaps.wide`) in w. share: of all, over the rest density,
-    in w, and its gradient [1/m]. excess: by how much denser than the fluid, over that, a particle may be in a gap.
+    (`along_faces`), and how far it does where another is near (`gaps.openness`) in w. share: of all, over the rest
+    density, in w, and its gradient [1/m]. excess: by how much denser than the fluid, over that, a particle may be in a
+    gap.
     """
 
     def __init__(self, shapes: Shapes, spacing: float, h: float, reach: float):

@@ -25,12 +25,12 @@ from sim.device.arrays import (
     vec3,
     vec4,
 )
-from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.boundary.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import COLUMNS, advance, redirect, search_curvature, search_velocity
 from sim.fluid.forces.friction import (
     face_friction,
     face_friction_block,
-    find_grip,
+    find_wall_friction,
 )
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic_norm, cubic_slope, slope_norm
@@ -46,7 +46,7 @@ CHECK = 4
 """The residual is read back after every so many iterations."""
 
 ARRAYS = (
-    Declared("slowing", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
+    Declared("viscous_acceleration", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
     Declared("viscous_search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
     Declared("residual", "vec4", "v* - (1 - dt K) v [m/s]", sorted=False, saved=False),
     Declared("image", "vec4", "(1 - dt K) times the direction of the search [m/s]", sorted=False, saved=False),
@@ -57,7 +57,7 @@ ARRAYS = (
 Unknowns: Any = ti.types.argpack(
     position=Vec4Array,
     velocity=Vec4Array,
-    slowing=Vec4Array,
+    viscous_acceleration=Vec4Array,
     viscous_search=Vec4Array,
     residual=Vec4Array,
     image=Vec4Array,
@@ -68,26 +68,26 @@ Unknowns: Any = ti.types.argpack(
 
 
 class Viscosity:
-    """Slows the particles of a system, whose arrays are those declared in ARRAYS; `slowing` is sorted with them, and
-    forgotten where a run may go on from a checkpoint."""
+    """Slows the particles of a system, whose arrays are those declared in ARRAYS; `viscous_acceleration` is sorted with
+    them, and forgotten where a run may go on from a checkpoint."""
 
     def __init__(self, system: FluidSystem):
         self.system = system
         self.settings = system.spec.implicit_viscosity
-        self.grip = find_grip(system.spec)
+        self.wall_friction = find_wall_friction(system.spec)
         self._sums = ti.ndarray(ti.f64, (BLOCKS + 1, 5))
         self._nowhere, self._nobody = ti.ndarray(ti.i32, 1), ti.ndarray(ti.f64, (1, COLUMNS))
         self._dragged: ViscousDrag | None = None
 
     def _drag(self) -> ViscousDrag | None:
         """The part of bodies that obey forces, if there are any that the fluid sticks to."""
-        if self._dragged is None and self.system.bodies and self.grip.walls > 0:
+        if self._dragged is None and self.system.bodies and self.wall_friction.walls > 0:
             self._dragged = self.system.bodies.viscous_drag()
         return self._dragged
 
     def apply(self, dt: float) -> dict[str, float]:
         """Replace the velocities by those after `dt` of friction; returns the statistics."""
-        system, particles = self.system, self.system.particles
+        system = self.system
         viscosity = dt * system.spec.viscosity
         drag = self._drag()
         self._begin(dt, viscosity)
@@ -104,14 +104,14 @@ class Viscosity:
                     self._iterate(WHOLE, viscosity)
                 iterations += 1
             solved = self._is_solved()
-        _finish(system.count, 1.0 / dt, solved, particles.velocity, particles.slowing, particles.residual)
+        _finish(system.count, 1.0 / dt, solved, system.particles.bundle(Unknowns))
         if drag:
             system.bodies.apply_viscosity(dt, drag.finish(solved=solved))
         return {"viscosity_iterations": iterations, "capped": not solved}
 
     def _is_solved(self) -> bool:
         """Whether the residual is small next to what viscosity changes, or no more than rounding."""
-        left, change, whole = (math.sqrt(max(value, 0.0)) for value in _told(self._sums))
+        left, change, whole = (math.sqrt(max(value, 0.0)) for value in _norms(self._sums))
         return left <= max(self.settings.error * change, ROUNDING * whole)
 
     def _begin(self, dt: float, viscosity: float) -> None:
@@ -120,7 +120,7 @@ class Viscosity:
             system.count,
             0.0 if system.forgetful else dt,
             viscosity,
-            self.grip.walls > 0,
+            self.wall_friction.walls > 0,
             system.resolution,
             system.particles.bundle(Unknowns),
             system.neighbors.lists,
@@ -135,7 +135,7 @@ class Viscosity:
             part,
             system.count,
             viscosity,
-            self.grip.walls > 0,
+            self.wall_friction.walls > 0,
             system.resolution,
             system.particles.bundle(Unknowns),
             system.neighbors.lists,
@@ -168,9 +168,9 @@ def _begin(
     walls: Walls,
     sums: DoubleTable,
 ):
-    """First guess as velocity, v* in slowing, preconditioner, residual and direction.
+    """First guess as velocity, v* in viscous_acceleration, preconditioner, residual and direction.
 
-    remembered: the step [s] over which the last slowing is taken as guess, or zero. viscosity: times the
+    remembered: the step [s] over which the last viscous acceleration is taken as guess, or zero. viscosity: times the
     step [m^2]. The sums are r.z, a factor of the iteration, and the squares of r, of v - v* and of v*.
     """
     inverse_h = 1.0 / fluid.h
@@ -180,7 +180,7 @@ def _begin(
     for i in range(count):
         guess = p.velocity[i].xyz
         if remembered > 0.0:
-            guess += remembered * p.slowing[i].xyz
+            guess += remembered * p.viscous_acceleration[i].xyz
         p.viscous_search[i] = vec4(guess, p.velocity[i][DENSITY])
     for i in range(count):
         x, v = p.position[i].xyz, p.viscous_search[i]
@@ -215,7 +215,7 @@ def _begin(
             left += r.dot(r)
             change += (guess - before).dot(guess - before)
             whole += before.dot(before)
-            p.slowing[i].xyz = before
+            p.viscous_acceleration[i].xyz = before
             p.velocity[i].xyz = guess
             p.viscous_search[i].xyz = z
         sums[part, 0] = across
@@ -300,7 +300,7 @@ def _iterate(
                 p.residual[i].xyz = r
                 across += r.dot(_solve(p.inverse[i], p.inverse_off[i], r))
                 left += r.dot(r)
-                change += (v - p.slowing[i].xyz).dot(v - p.slowing[i].xyz)
+                change += (v - p.viscous_acceleration[i].xyz).dot(v - p.viscous_acceleration[i].xyz)
             sums[block, 0] = across
             sums[block, 2] = left
             sums[block, 3] = change
@@ -327,19 +327,17 @@ def _iterate(
 
 
 @ti.kernel
-def _told(sums: DoubleTable) -> ti.types.vector(3, ti.f64):
+def _norms(sums: DoubleTable) -> ti.types.vector(3, ti.f64):
     """Squares of the residual, of what viscosity changes, and of the velocities before."""
     return ti.Vector([sums[BLOCKS, 2], sums[BLOCKS, 3], sums[BLOCKS, 4]])
 
 
 @ti.kernel
-def _finish(
-    count: ti.i32, per_step: real, solved: ti.i32, velocity: Vec4Array, slowing: Vec4Array, residual: Vec4Array
-):
+def _finish(count: ti.i32, per_step: real, solved: ti.i32, p: Unknowns):
     """Add the residual, where it is small, and keep what viscosity has changed."""
     for i in range(count):
-        v = velocity[i].xyz
+        v = p.velocity[i].xyz
         if solved != 0:
-            v += residual[i].xyz
-        velocity[i].xyz = v
-        slowing[i].xyz = per_step * (v - slowing[i].xyz)
+            v += p.residual[i].xyz
+        p.velocity[i].xyz = v
+        p.viscous_acceleration[i].xyz = per_step * (v - p.viscous_acceleration[i].xyz)

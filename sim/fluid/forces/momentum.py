@@ -13,8 +13,8 @@ import taichi as ti
 
 from sim.device.arrays import Vec4Array, real, vec3
 from sim.fluid.boundary.half_space import along_faces, face_damping
-from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_friction
+from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.forces.friction import FREE_SLIP, face_friction, find_wall_friction, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
@@ -23,12 +23,13 @@ from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import Neighbors, padded
 
-PRESSURE, FRICTION, VISCOSITY, GRIP, ARTIFICIAL, DAMPING, COHESION, ADHESION, SAMPLES, SOLIDS = (
+PRESSURE, FRICTION, VISCOSITY, WALL_FRICTION, ARTIFICIAL, DAMPING, COHESION, ADHESION, SAMPLES, SOLIDS = (
     1 << bit for bit in range(10)
 )
-"""Bits of the terms that are compiled. FRICTION is viscosity that a solver has found already; GRIP and DAMPING are
-viscosity and artificial viscosity against solids. Of those by solids, couplings return the opposite, ADHESION, too."""
-BY_SOLIDS = PRESSURE | GRIP | DAMPING | ADHESION
+"""Bits of the terms to compile: FRICTION is viscosity that a solver has found already, WALL_FRICTION and DAMPING are
+viscosity and artificial viscosity between particles and solids."""
+BY_SOLIDS = PRESSURE | WALL_FRICTION | DAMPING | ADHESION
+"""Those whose opposite couplings apply to solids."""
 
 Coefficients: Any = ti.types.argpack(
     gravity=vec3,
@@ -72,7 +73,7 @@ class Momentum:
         self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
         self.friction_known = friction_known and self.viscosity > 0
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
-        self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
+        self.wall_friction = find_wall_friction(spec) if self.viscosity > 0 and solids else FREE_SLIP
         self.cohesion, self._added = 0.0, load_forces(system)
         self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
         """`sim.fluid.forces.adhesion`, where there is any."""
@@ -84,8 +85,8 @@ class Momentum:
         self.coefficients = Coefficients(
             vec3(*system.gravity),
             self.viscosity,
-            self.grip.samples,
-            self.grip.nearest,
+            self.wall_friction.samples,
+            self.wall_friction.nearest,
             artificial,
             damping,
             self.cohesion,
@@ -94,7 +95,7 @@ class Momentum:
             PRESSURE: pressure,
             FRICTION: self.friction_known,
             VISCOSITY: self.viscosity > 0 and not self.friction_known,
-            GRIP: self.grip.walls > 0,
+            WALL_FRICTION: self.wall_friction.walls > 0,
             ARTIFICIAL: artificial > 0,
             DAMPING: damping > 0,
             COHESION: self.cohesion > 0,
@@ -107,7 +108,7 @@ class Momentum:
         explicit = self.viscosity + 0.1 * self.artificial
         half, spec, bodies = 0.5 * self.system.h, self.system.spec, self.system.bodies
         # What slows a particle against a body speeds up the body, the more the lighter it is.
-        strongest = self.grip.strongest * (1.0 + bodies.layer_mass_ratio if bodies else 1.0)
+        strongest = self.wall_friction.strongest * (1.0 + bodies.layer_mass_ratio if bodies else 1.0)
         return {
             "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": tension_limit(half, spec),
@@ -146,14 +147,14 @@ def slowed_by_face(
     walls: ti.template(),
     inverse_h: real,
 ) -> vec3:
-    """Acceleration `a` [m/s^2] of a particle of this density [kg/m^3], with DAMPING and GRIP of the half-space e, which
-    it passes at the `relative` velocity [m/s]."""
+    """Acceleration `a` [m/s^2] of a particle of this density [kg/m^3], with DAMPING and WALL_FRICTION of half-space e,
+    which it passes at the `relative` velocity [m/s]."""
     changed, one = a, walls.face[e]
     share = walls.weight[e] * fluid.rest_density / density
     if ti.static(terms & DAMPING):
-        slowing = face_damping(one[DISTANCE], one.xyz.dot(relative), walls.fit, inverse_h, coefficients.damping)
-        changed += share * slowing * one.xyz
-    if ti.static(terms & GRIP):
+        closing = one.xyz.dot(relative)
+        changed += share * face_damping(one[DISTANCE], closing, walls.fit, inverse_h, coefficients.damping) * one.xyz
+    if ti.static(terms & WALL_FRICTION):
         changed += share * viscosity * face_friction(one, relative, walls.spacing, inverse_h)
     return changed
 
@@ -178,9 +179,9 @@ def slowed_by_sample(
         slope = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
         softening = SOFTENING * fluid.h * fluid.h
         changed += artificial(relative.dot(d), coefficients.damping) / (density * (r2 + softening)) * slope
-    if ti.static(terms & GRIP):
-        grip = coefficients.sample_viscosity * sample_friction(d, relative, coefficients.nearest_sample, inverse_h)
-        changed += strength / density * grip
+    if ti.static(terms & WALL_FRICTION):
+        friction = sample_friction(d, relative, coefficients.nearest_sample, inverse_h)
+        changed += strength / density * (coefficients.sample_viscosity * friction)
     return changed
 
 
@@ -228,7 +229,7 @@ def _accelerate(
         a = fluid.mass * slope_norm * rub + coefficients.cohesion * norm * pull
         if ti.static(terms & FRICTION):
             a += p.pressure_acceleration[i].xyz
-        if ti.static(terms & SAMPLES and terms & (PRESSURE | GRIP | DAMPING)):
+        if ti.static(terms & SAMPLES and terms & (PRESSURE | WALL_FRICTION | DAMPING)):
             for k in range(samples.size[i]):
                 b = samples.sample[samples.index[i, k]]
                 d = x.xyz - b.xyz
@@ -242,7 +243,7 @@ def _accelerate(
                 push -= x[Q] * fluid.rest_density * walls.share[i].xyz
                 push = along_faces(i, push, walls, inverse_h)
             a += push
-        if ti.static(terms & SOLIDS and terms & (DAMPING | GRIP)):
+        if ti.static(terms & SOLIDS and terms & (DAMPING | WALL_FRICTION)):
             for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
                 relative = v.xyz - surface_velocity(walls.solid[e], x.xyz, walls.pose)
                 a = slowed_by_face(

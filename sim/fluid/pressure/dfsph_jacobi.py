@@ -32,7 +32,7 @@ import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Declared, DoubleTable, RealArray, Vec4Array, real, vec4
-from sim.fluid.boundary.gaps import felt_velocity
+from sim.fluid.boundary.gaps import velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, face_slope, void_of
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.pairwise import pressure_sum
@@ -180,7 +180,7 @@ def _begin_divergence(
         last = walls.begin[i] + walls.size[i]
         void = void_of(walls.begin[i], last, walls, inverse_h)
         for e in range(walls.begin[i], last):
-            solid_velocity = felt_velocity(e, x, walls.begin[i], last, walls)
+            solid_velocity = velocity_in_gap(e, x, walls.begin[i], last, walls)
             slope = face_slope(walls.face[e][DISTANCE], walls.weight[e], void, walls.fit, inverse_h)
             solids += slope * walls.face[e].xyz.dot(v - solid_velocity)
             filled += walls.weight[e] * cap(walls.face[e][DISTANCE] * inverse_h)

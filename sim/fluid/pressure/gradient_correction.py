@@ -26,7 +26,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, mat3, real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
-from sim.fluid.boundary.gaps import felt_velocity, relieved
+from sim.fluid.boundary.gaps import pressing_density, velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.samples import approach, sheet_share
 from sim.fluid.forces.pairwise import Lens, matrix
@@ -63,7 +63,7 @@ def lattice_sum(spacing: float, h: float, volume: float) -> float:
 
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
     """Write L, G, D, pulls of faces, and as source what the present velocities would compress in `dt` [s], with a share
-    of the compression there is, for the solids where `meet` has found them."""
+    of the compression there is, for the solids where `update_half_spaces` has found them."""
     boundary = system.boundary
     _compression_rates(
         system.count,
@@ -166,7 +166,7 @@ def _compression_rates(
             one = face_pull(walls.face[e], walls.weight[e], mine, inverse_h)
             gradient += one
             there = x + dt * v.xyz
-            rate += one.dot(v.xyz - felt_velocity(e, there, walls.begin[i], last, walls))
+            rate += one.dot(v.xyz - velocity_in_gap(e, there, walls.begin[i], last, walls))
             walls.pull[e].xyz = walls.pull[e].w * along_faces(i, one, walls, inverse_h)
         if ti.static(has_samples):
             there = x + dt * v.xyz
@@ -179,5 +179,5 @@ def _compression_rates(
         whole = strength * along + fluid.rest_density * gradient
         d_ii = whole.dot(whole) + strength * strength * squares
         p.diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
-        density = relieved(v[DENSITY], fluid.rest_density, walls.excess[i])
+        density = pressing_density(v[DENSITY], fluid.rest_density, walls.excess[i])
         p.source[i] = back * (density - fluid.rest_density) + dt * (strength * pairs + fluid.rest_density * rate)

@@ -18,7 +18,7 @@ import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Declared, DoubleTable, Vec4Array, real, vec4
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
@@ -106,7 +106,7 @@ class Pcisph(Incompressible):
         Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
         """
         system = self.system
-        system.meet(position="predicted", pulls=fresh)
+        system.update_half_spaces(position="predicted", pulls=fresh)
         mean, worst = _compress(
             system.count,
             dt,
@@ -196,7 +196,7 @@ def _compress(
             normal = share.xyz.normalized()
             p.solid[i].xyz += ti.max(steep - p.solid[i].xyz.dot(normal), 0.0) * normal
         density = fluid.mass * norm * (total + itself(near.size[i])) + fluid.rest_density * share.w
-        p.predicted[i].w = relieved(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
+        p.predicted[i].w = pressing_density(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
         if ti.static(has_bodies):
             p.predicted[i].w -= dt * dt * p.pressure_acceleration[i].w
     for block in range(BLOCKS):

@@ -20,7 +20,7 @@ import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Declared, RealArray, Vec4Array, real, vec3, vec4
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, cubic_slope_host, lattice
@@ -110,7 +110,7 @@ class Projection:
         """
         system = self.system
         particles, boundary = system.particles, system.boundary
-        system.meet(dt)
+        system.update_half_spaces(dt)
         _predict(
             system.count,
             dt,
@@ -196,5 +196,5 @@ def _predict(
         if ti.static(has_samples):
             share += sheet_share(x + dt * v.xyz, i, samples, inverse_h)
         density = fluid.mass * norm * (total + itself(near.size[i])) + fluid.rest_density * share.w
-        p.source[i] = relieved(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
+        p.source[i] = pressing_density(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
         p.solid[i].xyz = fluid.rest_density * share.xyz

@@ -9,9 +9,9 @@ from typing import ClassVar
 import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.forces.momentum import Momentum
-from sim.fluid.forces.velocity_smoothing import Mixing
+from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.fluid.system import FluidSystem, Measure
@@ -40,7 +40,7 @@ class Wcsph:
         self.artificial = 0.5 * spec.wcsph.artificial_viscosity * self.speed_of_sound * system.h
         damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
         self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
-        self.mixing = Mixing(system)
+        self.smoothing = VelocitySmoothing(system)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
         """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
@@ -77,7 +77,7 @@ class Wcsph:
         if self.system.bodies:
             self.system.bodies.kick(dt, self.momentum)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        stats |= self.mixing.mix(dt)
+        stats |= self.smoothing.smooth(dt)
         self.system.lead()
         return stats
 
@@ -141,7 +141,7 @@ def _density(
                 solid += b[VOLUME] * cubic((x - b.xyz).norm() * inverse_h)
             density += fluid.rest_density * norm * solid
         density += fluid.rest_density * walls.share[i].w
-        ratio = relieved(density, fluid.rest_density, walls.excess[i]) / fluid.rest_density
+        ratio = pressing_density(density, fluid.rest_density, walls.excess[i]) / fluid.rest_density
         ratio2 = ratio * ratio
         # Becker & Teschner 2007, eq. 7
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)

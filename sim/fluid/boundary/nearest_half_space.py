@@ -8,12 +8,12 @@ nothing else the half-space goes on as it was.
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, real, vec3, vec4
+from sim.device.arrays import real, vec4
 from sim.device.double import vec3 as vec3d
 from sim.device.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
 from sim.fluid.boundary.curvature import curvature_of, shift_of
-from sim.fluid.boundary.fronts import front_at, fronts
+from sim.fluid.boundary.mesh_half_spaces import mesh_half_space, mesh_half_spaces
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import (
     BOX,
@@ -36,41 +36,7 @@ CURVED = sum(1 << kind for kind in (SPHERE, BOX, CAPSULE, CYLINDER, TORUS))
 
 
 @ti.func
-def to_own(s: ti.i32, x: vec3, pose: DoubleTable) -> vec3d:
-    """A point in the frame of a solid."""
-    d = vec3d(0.0)
-    for row in ti.static(range(3)):
-        d[row] = ti.cast(x[row], ti.f64) - pose[s, 9 + row]
-    own = vec3d(0.0)
-    for column in ti.static(range(3)):
-        for row in ti.static(range(3)):
-            own[column] += pose[s, 3 * row + column] * d[row]
-    return own
-
-
-@ti.func
-def to_world(s: ti.i32, n: vec3, pose: DoubleTable) -> vec3:
-    """A direction in the frame of a solid, in that of the fluid."""
-    turned = vec3(0.0)
-    for row in ti.static(range(3)):
-        for column in ti.static(range(3)):
-            turned[row] += ti.cast(pose[s, 3 * row + column], real) * n[column]
-    return turned
-
-
-@ti.func
-def surface_velocity(s: ti.i32, x: vec3, pose: DoubleTable) -> vec3:
-    """Of a solid, as far as its motion would take it at x [m/s]."""
-    arm, speed, turning = vec3(0.0), vec3(0.0), vec3(0.0)
-    for axis in ti.static(range(3)):
-        arm[axis] = x[axis] - ti.cast(pose[s, 18 + axis], real)
-        speed[axis] = ti.cast(pose[s, 12 + axis], real)
-        turning[axis] = ti.cast(pose[s, 15 + axis], real)
-    return speed + turning.cross(arm)
-
-
-@ti.func
-def look(
+def nearest_half_space(
     s: ti.i32,
     p: vec3d,
     near: vec4,
@@ -86,14 +52,14 @@ def look(
             if near.w < FAR:
                 found = on_band(s, p, solids.size[s].w, near, hollow, solids)
     else:
-        found = on_form(s, p, kinds, solids)
+        found = on_shape(s, p, kinds, solids)
         if solids.kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
             found = plane_of(near, p)
     return found
 
 
 @ti.func
-def on_form(
+def on_shape(
     s: ti.i32,
     p: vec3d,
     kinds: ti.template(),
@@ -123,9 +89,9 @@ def half_spaces(
     first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
     if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            first, second, third = fronts(s, p, solids.size[s].w, reach, solids)
+            first, second, third = mesh_half_spaces(s, p, solids.size[s].w, reach, solids)
     else:
-        first = plane_of(on_form(s, p, kinds, solids), p)
+        first = plane_of(on_shape(s, p, kinds, solids), p)
     return first, second, third
 
 
@@ -140,9 +106,9 @@ def half_space(
     found = vec4(0.0, 1.0, 0.0, FAR)
     if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            found = front_at(s, p, solids.size[s].w, solids)[0]
+            found = mesh_half_space(s, p, solids.size[s].w, solids)[0]
     else:
-        found = plane_of(on_form(s, p, kinds, solids), p)
+        found = plane_of(on_shape(s, p, kinds, solids), p)
     return found
 
 

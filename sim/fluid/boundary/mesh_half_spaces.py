@@ -22,7 +22,7 @@ SAME, EVEN, AGREEING = 0.99999, 0.002, 3
 
 
 @ti.func
-def fronts(
+def mesh_half_spaces(
     s: ti.i32,
     p: vec3d,
     side: real,
@@ -32,7 +32,7 @@ def fronts(
     """Normals and offsets of up to three half-spaces of a band that p is before, or FAR: of a thin wall that on this
     side of it, and where faces meet in a hollow edge or corner each of them that is within `reach` [m]."""
     second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-    first, least, outside = front_at(s, p, side, solids)
+    first, least, outside = mesh_half_space(s, p, side, solids)
     if first.w < FAR and least < reach:
         first = nearer_in_a_hollow(s, p, side, first, least, outside, solids)
         beside = first.xyz
@@ -49,7 +49,7 @@ def fronts(
 
 
 @ti.func
-def front_at(
+def mesh_half_space(
     s: ti.i32,
     p: vec3d,
     side: real,
