@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from sim.fluid.system import Measure
+    from sim.fluid.measure import Measure
     from sim.run.world import World
 
 COURSE = ("time", "kinetic", "potential", "elastic", "density_error")

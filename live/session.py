@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from scene.load import Scene
-    from sim.fluid.system import Measure
+    from sim.fluid.measure import Measure
     from sim.run.checkpoint import Checkpoint, Clock
     from sim.run.world import World
     from sim.spec import Event, SimulationSpec

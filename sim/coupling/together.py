@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sim.fluid.forces.momentum import Momentum
-from sim.fluid.system import Bodies
+from sim.fluid.forces.terms import Terms
+from sim.fluid.protocols import Bodies
 
 MATERIALS = ("fluid", "rigid", "cloth")
 """Of a scene, for this to be loaded."""
@@ -22,9 +22,9 @@ class Together:
         for part in self.parts:
             part.list()
 
-    def gather_forces(self, momentum: Momentum) -> None:
+    def gather_forces(self, terms: Terms) -> None:
         for part in self.parts:
-            part.gather_forces(momentum)
+            part.gather_forces(terms)
 
     def predict(self, dt: float) -> None:
         for part in self.parts:
@@ -66,9 +66,9 @@ class Together:
             stats |= part.drift(dt)
         return stats
 
-    def kick(self, dt: float, momentum: Momentum) -> None:
+    def kick(self, dt: float, terms: Terms) -> None:
         for part in self.parts:
-            part.kick(dt, momentum)
+            part.kick(dt, terms)
 
     def prevent_penetration(self, dt: float) -> None:
         for part in self.parts:

@@ -16,10 +16,11 @@ from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.boundary.shapes import BoundarySolid, Shapes
 from sim.fluid.forces.registry import force_arrays
 from sim.fluid.forces.velocity_smoothing import smoothing_arrays, viscosity_is_implicit
+from sim.fluid.measure import Measure
 from sim.fluid.seeding.seed import Room, Seed, seed
 from sim.fluid.seeding.sources import Source
 from sim.fluid.spec import Fluid
-from sim.fluid.system import FluidSystem, Measure
+from sim.fluid.system import FluidSystem
 
 if TYPE_CHECKING:
     from sim.fluid.boundary.one_sided_samples import OneSidedSamples

@@ -11,7 +11,7 @@ from scene.settings import Refused
 from sim.run.checkpoint import state_name
 
 if TYPE_CHECKING:
-    from sim.fluid.system import Measure
+    from sim.fluid.measure import Measure
     from sim.run.checkpoint import Clock
     from sim.run.world import World
 

@@ -16,7 +16,7 @@ from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.bodies.obstacles import Obstacle
-    from sim.fluid.system import Measure
+    from sim.fluid.measure import Measure
     from sim.run.world import World
 
 BODY_COLUMNS = ("frame", "time", "body", "x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")

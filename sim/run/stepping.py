@@ -32,8 +32,8 @@ from sim.run.world import Counts, World
 from sim.spec import Event, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.fluid.measure import Measure
     from sim.fluid.model import FluidState
-    from sim.fluid.system import Measure
 
 GROWTH = 1.1
 """A step is at most this much longer than the one before: it falls at once and rises slowly."""

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from sim.fluid.inflow.drains import Sink
     from sim.fluid.inflow.emitters import Outlet
     from sim.fluid.inflow.flow import Flow
+    from sim.fluid.measure import Measure
     from sim.fluid.model import FluidModel, FluidState
     from sim.fluid.seeding.sources import Source
     from sim.fluid.seeding.volumes import Volume
-    from sim.fluid.system import Measure
     from sim.rigid.body import RigidState
     from sim.rigid.model import RigidModel
 

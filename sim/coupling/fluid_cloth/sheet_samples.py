@@ -17,7 +17,7 @@ from sim.cloth.fabric.arrays import incidence, integers, numbers, vectors
 from sim.coupling.fluid_cloth import sheet_sums
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.boundary.one_sided_samples import OneSidedSamples
-from sim.fluid.forces.momentum import BY_SOLIDS, Momentum
+from sim.fluid.forces.terms import BY_SOLIDS, Terms
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import NeighborList
 
@@ -149,14 +149,14 @@ class SheetReaction:
         self.near.build(sheets.here, sheets.count, system.grid, position, same=False)
         sheet_sums.face(sheets.count, sheets.facing, position, self.near.lists)
 
-    def forces(self, momentum: Momentum, load: ti.Ndarray) -> None:
+    def forces(self, terms: Terms, load: ti.Ndarray) -> None:
         """Loads of the forces that positions and velocities give."""
         system, sheets = self.system, self._make_room()
         sheet_sums.push_back(
-            momentum.terms & BY_SOLIDS,
+            terms.bits & BY_SOLIDS,
             sheets.count,
-            momentum.adhesion.samples if momentum.adhesion else 0.0,
-            momentum.coefficients,
+            terms.adhesion_samples,
+            terms.coefficients,
             system.resolution,
             system.particles.position,
             system.particles.velocity,

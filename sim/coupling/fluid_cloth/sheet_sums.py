@@ -10,7 +10,7 @@ from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.one_sided_samples import beyond
 from sim.fluid.forces.adhesion import adhesion
-from sim.fluid.forces.momentum import ADHESION, PRESSURE, Coefficients, slowed_by_sample
+from sim.fluid.forces.terms import ADHESION, PRESSURE, Coefficients, slowed_by_sample
 from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.neighbors.spatial_hash import Neighbors

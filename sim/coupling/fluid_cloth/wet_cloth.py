@@ -27,7 +27,7 @@ from sim.coupling.fluid_cloth import wet_cloth_sums
 from sim.coupling.fluid_cloth.sheet_samples import Pattern, SheetReaction, SheetSamples, find_cuts
 from sim.coupling.fluid_cloth.tightness import Tightness
 from sim.coupling.fluid_rigid.reaction_sums import subtract_predicted
-from sim.fluid.forces.momentum import Momentum
+from sim.fluid.forces.terms import Terms
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem
 from sim.geometry.distance.closest_points import MeshDistance
@@ -114,8 +114,8 @@ class WetCloth:
     def list(self) -> None:
         self.reaction.list()
 
-    def gather_forces(self, momentum: Momentum) -> None:
-        self.reaction.forces(momentum, self._steady)
+    def gather_forces(self, terms: Terms) -> None:
+        self.reaction.forces(terms, self._steady)
 
     def predict(self, dt: float) -> None:
         self._dt = dt
@@ -175,8 +175,8 @@ class WetCloth:
         self._integrator.predict(dt, self._load)
         return self._finish(dt)
 
-    def kick(self, dt: float, momentum: Momentum) -> None:
-        self.reaction.forces(momentum, self.cloth.fluid_force)
+    def kick(self, dt: float, terms: Terms) -> None:
+        self.reaction.forces(terms, self.cloth.fluid_force)
         wet_cloth_sums.strike(self.cloth.mesh.count, dt / 2, self.cloth.mesh.points, self.cloth.fluid_force)
         self.system.boundary.move()
 

@@ -20,7 +20,7 @@ from sim.coupling.fluid_rigid.density_ratio import layer_mass_ratio
 from sim.coupling.fluid_rigid.lubrication import Lubrication
 from sim.coupling.fluid_rigid.reaction import Reaction
 from sim.coupling.fluid_rigid.viscous_drag import ViscousDrag
-from sim.fluid.forces.momentum import Momentum
+from sim.fluid.forces.terms import Terms
 from sim.fluid.system import FluidSystem
 from sim.rigid.model import RigidModel
 
@@ -74,8 +74,8 @@ class Floating:
     def viscous_drag(self) -> ViscousDrag:
         return ViscousDrag(self.system)
 
-    def gather_forces(self, momentum: Momentum) -> None:
-        self._steady = self.reaction.forces(momentum) + self.lubrication.steady + self._held
+    def gather_forces(self, terms: Terms) -> None:
+        self._steady = self.reaction.forces(terms) + self.lubrication.steady + self._held
 
     def predict(self, dt: float) -> None:
         last = self.pushed
@@ -146,9 +146,9 @@ class Floating:
         self._steady = np.zeros_like(whole)
         return self._advance(dt, whole)
 
-    def kick(self, dt: float, momentum: Momentum) -> None:
+    def kick(self, dt: float, terms: Terms) -> None:
         self._find_lubrication()
-        self._push(self.reaction.forces(momentum) + self.lubrication.steady + self.reaction.lubrication_wrenches())
+        self._push(self.reaction.forces(terms) + self.lubrication.steady + self.reaction.lubrication_wrenches())
         self._kick(dt / 2, self.pushed)
 
     def prevent_penetration(self, dt: float) -> None:

@@ -30,7 +30,7 @@ def reaction(
     inertia = np.zeros((1, INERTIA))
     inertia[0, :3] = centre
     on_solid.set_inertia(inertia)
-    wrench = on_solid.forces(system.momentum, find_wall_friction(system.spec).walls)[0] + on_solid.held()[0]
+    wrench = on_solid.forces(system.terms, find_wall_friction(system.spec).walls)[0] + on_solid.held()[0]
     position = system.particles.numpy("position").astype(np.float64)
     for pressure, displacement in _pushes(system, position):
         wrench = wrench + _pressed(system, solid, centre, position[:, :3] - displacement, pressure, region)

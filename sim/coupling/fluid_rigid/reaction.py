@@ -19,11 +19,11 @@ import taichi as ti
 from sim.coupling.fluid_rigid import reaction_sums
 from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES, BodySums
 from sim.device.arrays import GROWTH, integer_array
-from sim.fluid.forces.momentum import BY_SOLIDS, WALL_FRICTION
 from sim.fluid.forces.pairwise import Lens
+from sim.fluid.forces.terms import BY_SOLIDS, WALL_FRICTION, Terms
 
 if TYPE_CHECKING:
-    from sim.fluid.forces.momentum import Momentum
+    from sim.fluid.forces.terms import Terms
     from sim.fluid.system import FluidSystem
 
 MATERIALS = ("fluid",)
@@ -104,18 +104,17 @@ class Reaction:
         self.inertia = inertia
         self._inertia.from_numpy(np.ascontiguousarray(inertia))
 
-    def forces(self, momentum: Momentum, friction: float | None = None) -> np.ndarray:
+    def forces(self, terms: Terms, friction: float | None = None) -> np.ndarray:
         """Wrenches of the forces that positions and velocities give, shape [bodies, 6]; friction: viscosity of what the
         fluid sticks to [m^2/s], where that is not what acts as a force."""
-        system, adhesion = self.system, momentum.adhesion
-        terms, viscosity = momentum.terms, momentum.viscosity
+        system, bits, viscosity = self.system, terms.bits, terms.viscosity
         if friction is not None:
-            terms, viscosity = (terms | WALL_FRICTION) if friction > 0 else (terms & ~WALL_FRICTION), friction
+            bits, viscosity = (bits | WALL_FRICTION) if friction > 0 else (bits & ~WALL_FRICTION), friction
         reaction_sums.push_back(
-            terms & BY_SOLIDS,
+            bits & BY_SOLIDS,
             viscosity,
-            adhesion.solids if adhesion else 0.0,
-            momentum.coefficients,
+            terms.adhesion_solids,
+            terms.coefficients,
             system.resolution,
             system.particles.position,
             system.particles.velocity,

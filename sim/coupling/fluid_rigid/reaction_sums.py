@@ -6,10 +6,10 @@ import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3, vector
 from sim.fluid.boundary.half_space import along_face
-from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
-from sim.fluid.forces.momentum import ADHESION, PRESSURE, Coefficients, slowed_by_face
 from sim.fluid.forces.pairwise import Lens, pair_pressures
+from sim.fluid.forces.terms import ADHESION, PRESSURE, Coefficients, slowed_by_face
 from sim.fluid.kernel import slope_norm
 from sim.fluid.layout import DENSITY, DISTANCE, Q, Resolution, Walls
 from sim.fluid.sums import span

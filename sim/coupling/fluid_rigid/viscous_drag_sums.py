@@ -4,7 +4,7 @@ import taichi as ti
 
 from sim.coupling.fluid_rigid.reaction_sums import PARTS, BodySums, gather, keep, part_of, wrench_of
 from sim.device.arrays import DoubleTable, Vec4Array, real, vec3, vector
-from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import (
     CENTRE,
     CHANGE,

@@ -12,8 +12,8 @@ import numpy as np
 import taichi as ti
 
 from sim.device.arrays import GROWTH, numpy_real, real, vec4
-from sim.fluid.boundary import face_sums
-from sim.fluid.boundary.face_sums import GROUP
+from sim.fluid.boundary import face_search, face_sums
+from sim.fluid.boundary.face_search import GROUP
 from sim.fluid.boundary.half_space import half_space_fit
 from sim.fluid.boundary.shapes import Shapes
 from sim.fluid.layout import Points, Walls
@@ -97,9 +97,9 @@ class Faces:
         if not shapes.count:
             self.size.fill(0)
             return
-        total = face_sums.count(count, groups, self.reach, position, shapes.count, shapes.tables, self._first)
+        total = face_search.count(count, groups, self.reach, position, shapes.count, shapes.tables, self._first)
         self._make_room(count, groups, GROUP * total)
-        face_sums.find(
+        face_search.find(
             shapes.kinds,
             count,
             groups,

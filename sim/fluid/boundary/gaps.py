@@ -12,7 +12,7 @@ Functions of several half-spaces take them as `sim.fluid.boundary.faces` lists t
 import taichi as ti
 
 from sim.device.arrays import real, vec3, vec4
-from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.layout import DISTANCE
 from sim.geometry.distance.narrow_band import OPPOSITE
 

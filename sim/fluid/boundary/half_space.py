@@ -68,8 +68,8 @@ def along_faces(
     Across a surface that is what its own force is for. Along it a particle has fewer neighbours than elsewhere to be
     pushed by: of sum_j x (dW/dx) / r dV, integrated by parts, what lies beyond is missing, V. Taken half from the first
     surface to the last and half back again, B is symmetric however they meet. It is a force of the solid, which one
-    that obeys forces has to feel (`sim.fluid.system.Bodies.hold_along_surfaces`). `held` has the weights of those that
-    hold.
+    that obeys forces has to feel (`sim.fluid.protocols.Bodies.hold_along_surfaces`). `held` has the weights of those
+    that hold.
     """
     pushed = a
     count = walls.size[i]

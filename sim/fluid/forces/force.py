@@ -15,7 +15,10 @@ class Force(ABC):
     ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     """Arrays of particles that it needs."""
     BY_SOLIDS: ClassVar[bool] = False
-    """Whether solids are what exerts it, so that couplings return it to them."""
+    """Whether it is an adhesion by solids: couplings apply the opposite to them, by its strengths [m/s^2 over m^3]
+    against samples of sheets and against solids."""
+    samples: float = 0.0
+    solids: float = 0.0
 
     def __init__(self, system: FluidSystem):
         self.system = system

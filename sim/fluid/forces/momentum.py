@@ -12,35 +12,32 @@ from typing import Any
 import taichi as ti
 
 from sim.device.arrays import Vec4Array, real, vec3
-from sim.fluid.boundary.half_space import along_faces, face_damping
-from sim.fluid.boundary.pose import surface_velocity
-from sim.fluid.forces.friction import FREE_SLIP, face_friction, find_wall_friction, sample_friction
+from sim.fluid.boundary.half_space import along_faces
+from sim.fluid.boundary.half_spaces.pose import surface_velocity
+from sim.fluid.forces.friction import FREE_SLIP, find_wall_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
+from sim.fluid.forces.terms import (
+    ADHESION,
+    ARTIFICIAL,
+    COHESION,
+    DAMPING,
+    FRICTION,
+    PRESSURE,
+    SAMPLES,
+    SOLIDS,
+    VISCOSITY,
+    WALL_FRICTION,
+    Coefficients,
+    Terms,
+    slowed_by_face,
+    slowed_by_sample,
+)
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
-from sim.fluid.layout import DENSITY, DISTANCE, VOLUME, Q, Resolution, Samples, Walls
+from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import Neighbors, padded
-
-PRESSURE, FRICTION, VISCOSITY, WALL_FRICTION, ARTIFICIAL, DAMPING, COHESION, ADHESION, SAMPLES, SOLIDS = (
-    1 << bit for bit in range(10)
-)
-"""Bits of the terms to compile: FRICTION is viscosity that a solver has found already, WALL_FRICTION and DAMPING are
-viscosity and artificial viscosity between particles and solids."""
-BY_SOLIDS = PRESSURE | WALL_FRICTION | DAMPING | ADHESION
-"""Those whose opposite couplings apply to solids."""
-
-Coefficients: Any = ti.types.argpack(
-    gravity=vec3,
-    viscosity=real,
-    sample_viscosity=real,
-    nearest_sample=real,
-    artificial=real,
-    damping=real,
-    cohesion=real,
-)
-"""Of the terms in SI units, as `Momentum` has them."""
 
 Accelerated: Any = ti.types.argpack(
     position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array, pressure_acceleration=Vec4Array
@@ -66,31 +63,17 @@ class Momentum:
     ):
         spec = system.spec
         self.system = system
-        system.momentum = self
-        self.pressure = pressure
         self.artificial = artificial
-        self.damping = damping
         self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
         self.friction_known = friction_known and self.viscosity > 0
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.wall_friction = find_wall_friction(spec) if self.viscosity > 0 and solids else FREE_SLIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
-        """`sim.fluid.forces.adhesion`, where there is any."""
+        adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
                 spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
             )
-
-        self.coefficients = Coefficients(
-            vec3(*system.gravity),
-            self.viscosity,
-            self.wall_friction.samples,
-            self.wall_friction.nearest,
-            artificial,
-            damping,
-            self.cohesion,
-        )
         asked = {
             PRESSURE: pressure,
             FRICTION: self.friction_known,
@@ -99,9 +82,20 @@ class Momentum:
             ARTIFICIAL: artificial > 0,
             DAMPING: damping > 0,
             COHESION: self.cohesion > 0,
-            ADHESION: self.adhesion is not None,
+            ADHESION: adhesion is not None,
         }
-        self.terms = sum(term for term, wanted in asked.items() if wanted)
+        coefficients = Coefficients(
+            vec3(*system.gravity),
+            self.viscosity,
+            self.wall_friction.samples,
+            self.wall_friction.nearest,
+            artificial,
+            damping,
+            self.cohesion,
+        )
+        bits = sum(bit for bit, wanted in asked.items() if wanted)
+        strengths = (adhesion.samples, adhesion.solids) if adhesion else ()
+        system.terms = self.terms = Terms(bits, coefficients, self.viscosity, *strengths)
 
     def step_limits(self) -> dict[str, float]:
         """Largest stable time steps [s] that do not depend on the particles' motion."""
@@ -119,10 +113,10 @@ class Momentum:
         system, boundary = self.system, self.system.boundary
         present = (SAMPLES if boundary.sampled > 0 else 0) | (SOLIDS if boundary.shapes.count > 0 else 0)
         _accelerate(
-            self.terms | present,
+            self.terms.bits | present,
             system.count,
             system.resolution,
-            self.coefficients,
+            self.terms.coefficients,
             system.particles.bundle(Accelerated)
             if self.friction_known
             else system.particles.bundle(Accelerated, pressure_acceleration="acceleration"),
@@ -132,57 +126,6 @@ class Momentum:
         )
         for force in self._added:
             force.accelerate()
-
-
-@ti.func
-def slowed_by_face(
-    a: vec3,
-    e: ti.i32,
-    relative: vec3,
-    density: real,
-    terms: ti.template(),
-    viscosity: real,
-    coefficients: ti.template(),
-    fluid: ti.template(),
-    walls: ti.template(),
-    inverse_h: real,
-) -> vec3:
-    """Acceleration `a` [m/s^2] of a particle of this density [kg/m^3], with DAMPING and WALL_FRICTION of half-space e,
-    which it passes at the `relative` velocity [m/s]."""
-    changed, one = a, walls.face[e]
-    share = walls.weight[e] * fluid.rest_density / density
-    if ti.static(terms & DAMPING):
-        closing = one.xyz.dot(relative)
-        changed += share * face_damping(one[DISTANCE], closing, walls.fit, inverse_h, coefficients.damping) * one.xyz
-    if ti.static(terms & WALL_FRICTION):
-        changed += share * viscosity * face_friction(one, relative, walls.spacing, inverse_h)
-    return changed
-
-
-@ti.func
-def slowed_by_sample(
-    a: vec3,
-    d: vec3,
-    relative: vec3,
-    density: real,
-    strength: real,
-    terms: ti.template(),
-    coefficients: ti.template(),
-    fluid: ti.template(),
-    inverse_h: real,
-) -> vec3:
-    """The same for a sample of a sheet, to a particle of this density [kg/m^3] at `d` [m] from it; strength: rest
-    density times the sample's volume and the norm of the kernel's slope [kg/m^5]."""
-    changed = a
-    if ti.static(terms & DAMPING):
-        r2 = d.dot(d)
-        slope = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
-        softening = SOFTENING * fluid.h * fluid.h
-        changed += artificial(relative.dot(d), coefficients.damping) / (density * (r2 + softening)) * slope
-    if ti.static(terms & WALL_FRICTION):
-        friction = sample_friction(d, relative, coefficients.nearest_sample, inverse_h)
-        changed += strength / density * (coefficients.sample_viscosity * friction)
-    return changed
 
 
 @ti.kernel

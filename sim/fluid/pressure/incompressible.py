@@ -8,7 +8,8 @@ import taichi as ti
 from sim.device.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
-from sim.fluid.system import FluidSystem, Measure
+from sim.fluid.measure import Measure
+from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import displacement_limit, fall_limit, pressure_limit
 from sim.free_fall import OTHERS
 
@@ -88,7 +89,7 @@ class Incompressible:
         system, particles = self.system, self.system.particles
         self.momentum.accelerate()
         if system.bodies:
-            system.bodies.gather_forces(self.momentum)
+            system.bodies.gather_forces(self.momentum.terms)
         system.lead()
         _set_off(system.count, dt, particles.velocity, particles.acceleration, particles.before)
         if system.bodies:

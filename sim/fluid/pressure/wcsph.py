@@ -14,7 +14,8 @@ from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
-from sim.fluid.system import FluidSystem, Measure
+from sim.fluid.measure import Measure
+from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import force_limit, light_limit
 from sim.neighbors.spatial_hash import Neighbors, itself, padded
 
@@ -53,7 +54,7 @@ class Wcsph:
         """Find the accelerations of the initial state, or of one that an event has changed."""
         self._accelerate()
         if self.system.bodies:
-            self.system.bodies.kick(0.0, self.momentum)
+            self.system.bodies.kick(0.0, self.momentum.terms)
         self.system.lead()
 
     def restore(self) -> None:
@@ -75,7 +76,7 @@ class Wcsph:
         self.system.exchange(dt, distance)
         self._accelerate(distance, dt)
         if self.system.bodies:
-            self.system.bodies.kick(dt, self.momentum)
+            self.system.bodies.kick(dt, self.momentum.terms)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
         stats |= self.smoothing.smooth(dt)
         self.system.lead()

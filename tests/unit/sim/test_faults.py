@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.fluid.system import Measure
+from sim.fluid.measure import Measure
 from sim.run.failure import MOST_STEPS, find_fault, short_step
 from sim.spec import SimulationSpec
 

@@ -5,7 +5,7 @@ import taichi as ti
 
 from sim.device.arrays import real, vec3, vec4
 from sim.device.double import vec3 as vec3d
-from sim.fluid.boundary.curvature import shift_of
+from sim.fluid.boundary.half_spaces.curvature import shift_of
 from sim.geometry.distance.narrow_band import BLOCK, OPPOSITE, TURNED
 
 FAR = 1e10

@@ -9,7 +9,7 @@ import taichi as ti
 
 from sim.device.arrays import real, vec3, vec4
 from sim.device.double import vec3 as vec3d
-from sim.fluid.boundary.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
+from sim.fluid.boundary.half_spaces.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
 from sim.geometry.distance.narrow_band import OPPOSITE
 
 NEARER = 0.1

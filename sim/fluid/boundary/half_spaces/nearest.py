@@ -11,9 +11,9 @@ import taichi as ti
 from sim.device.arrays import real, vec4
 from sim.device.double import vec3 as vec3d
 from sim.device.double import vec4 as vec4d
-from sim.fluid.boundary.band import FAR, on_band
-from sim.fluid.boundary.curvature import curvature_of, shift_of
-from sim.fluid.boundary.mesh_half_spaces import mesh_half_space, mesh_half_spaces
+from sim.fluid.boundary.half_spaces.band import FAR, on_band
+from sim.fluid.boundary.half_spaces.curvature import curvature_of, shift_of
+from sim.fluid.boundary.half_spaces.of_mesh import mesh_half_space, mesh_half_spaces
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import (
     BOX,
