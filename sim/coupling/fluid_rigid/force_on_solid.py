@@ -39,14 +39,14 @@ def reaction(
 
 def _narrow(system: FluidSystem, on_solid: Reaction, region: np.ndarray) -> None:
     """Leave only the pairs with a part of the surface that is in the region."""
-    entry = on_solid.order.to_numpy()[: on_solid.ends.to_numpy()[-1]]
+    entry = on_solid.sums.order.to_numpy()[: on_solid.sums.ends.to_numpy()[-1]]
     faces = system.boundary.faces
     points = system.particles.numpy("position")[faces.particle.to_numpy()[entry], :3]
     kept = entry[_within(region, points, faces.face.to_numpy()[entry])]
-    order = on_solid.order.to_numpy()
+    order = on_solid.sums.order.to_numpy()
     order[: len(kept)] = kept
-    on_solid.order.from_numpy(order)
-    on_solid.ends.from_numpy(np.array([0, len(kept)], dtype=np.int32))
+    on_solid.sums.order.from_numpy(order)
+    on_solid.sums.ends.from_numpy(np.array([0, len(kept)], dtype=np.int32))
 
 
 def _within(region: np.ndarray, points: np.ndarray, face: np.ndarray) -> np.ndarray:
