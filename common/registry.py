@@ -1,9 +1,8 @@
 """What is chosen by name: built in, or added by installed packages through entry points.
 
-A package adds a solver, a force, a shape or a look by an entry point of the group `tidemill.solvers`,
-`tidemill.forces`, `tidemill.shapes` or `tidemill.looks`: its name is that in scene files, its value a class of settings
-(`scene.settings.Settings`). The class says by IMPLEMENTATION, as `module:attribute`, what does the work; that is
-imported only when it is used.
+A package adds one of KINDS by an entry point of the group `tidemill.KIND`: its name is that in scene files, its value a
+class of settings (`scene.settings.Settings`). The class says by IMPLEMENTATION, as `module:attribute`, what does the
+work; that is imported only when it is used.
 
     [project.entry-points."tidemill.forces"]
     wind = "tidemill_wind.settings:Wind"
@@ -16,7 +15,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
-KINDS = ("solvers", "forces", "shapes", "looks")
+KINDS = ("solvers", "forces", "integrators", "shapes", "looks")
 
 
 def names(kind: str) -> tuple[str, ...]:

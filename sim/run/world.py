@@ -328,6 +328,8 @@ class World:
             case "surface tension":
                 tension = max(self.spec.fluid.surface_tension, self.spec.fluid.adhesion)
                 return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
+            case term if term != "signal":
+                return term, "change the settings that it follows from"
         speeds = f"fluid {measure.v_max:.3g} m/s"
         if self.spec.fluid.solver == "wcsph":
             speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, {speeds}"

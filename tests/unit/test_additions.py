@@ -4,87 +4,26 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
+from plyfile import PlyData
 
-from tests.particles import read_frame, velocities
+from tests.particles import read_frame, read_table, velocities
 
 ROOT = Path(__file__).resolve().parents[2]
-ENTRY_POINTS = """\
-[tidemill.forces]
-wind = outside.settings:Wind
-[tidemill.solvers]
-mine = outside.settings:Mine
-[tidemill.shapes]
-cone = outside.settings:Cone
-[tidemill.looks]
-neon = outside.settings:Neon
-"""
-SETTINGS = '''\
-from typing import ClassVar, Literal
-from scene.settings import Settings
-from scene.units import PositiveLength
-
-class Wind(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.force:Wind"
-    acceleration: tuple[float, float, float]
-
-class Mine(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.solver:Mine"
-    density_error: float = 1e-3
-    min_iterations: int = 2
-    max_iterations: int = 100
-
-class Cone(Settings):
-    """A cone on its base, its axis along y."""
-    IMPLEMENTATION: ClassVar[str] = "outside.shape:triangles"
-    type: Literal["cone"]
-    radius: PositiveLength
-    height: PositiveLength
-
-class Neon(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.look:build"
-    type: Literal["neon"]
-    strength: float = 1.0
-'''
-FORCE = """\
-import taichi as ti
-from sim.device.arrays import Vec4Array, vec3
-from sim.fluid.forces.force import Force
-
-class Wind(Force):
-    def accelerate(self):
-        system = self.system
-        blow(system.count, vec3(*system.spec.extra["wind"].acceleration), system.particles.acceleration)
-
-@ti.kernel
-def blow(count: ti.i32, more: vec3, acceleration: Vec4Array):
-    for i in range(count):
-        acceleration[i].xyz += more
-"""
-SOLVER = "from sim.fluid.pressure.iisph import Iisph\n\nclass Mine(Iisph):\n    pass\n"
-SHAPE = """\
-import trimesh
-
-def triangles(shape):
-    cone = trimesh.creation.cone(shape.radius, shape.height, sections=64)
-    cone.apply_transform([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-    return cone
-"""
-LOOK = """\
-def build(graph, look, size):
-    return graph.node("Emission", {"Color": (1.0, 0.0, 1.0, 1.0), "Strength": look.strength}).outputs[0], None
-"""
-FILES = {"__init__": "", "settings": SETTINGS, "force": FORCE, "solver": SOLVER, "shape": SHAPE, "look": LOOK}
+OUTSIDE = ROOT / "tests" / "outside"
 DROP = {
     "bodies": {"drop": {"shape": {"type": "sphere", "radius": 0.06}, "position": [0, 1, 0]}},
     "particle_radius": 0.02,
 }
+TOWEL = {"shape": {"type": "sheet", "size": [0.4, 0.2]}, "spacing": 0.05, "position": [0, 1, 0]}
 
 
 class Package:
@@ -92,14 +31,11 @@ class Package:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        for name, text in FILES.items():
-            self.write(f"outside/{name}.py", text)
-        self.write("outside-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
-        self.write("outside-1.0.dist-info/entry_points.txt", ENTRY_POINTS)
-
-    def write(self, name: str, text: str) -> None:
-        (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (self.folder / name).write_text(text)
+        shutil.copytree(OUTSIDE, folder / "outside", ignore=shutil.ignore_patterns("*.txt", "__pycache__"))
+        about = folder / "outside-1.0.dist-info"
+        about.mkdir()
+        (about / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
+        shutil.copy(OUTSIDE / "entry_points.txt", about)
 
     def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         path = os.pathsep.join([str(ROOT), str(self.folder)])
@@ -146,6 +82,7 @@ def test_a_shape_is_a_solid(package, tmp_path):
     """m = rho pi r^2 h / 3, within the share (2 pi / 64)^2 / 6 of the circle that 64 sides leave."""
     code = f"""
 from pathlib import Path
+from typing import Any
 from sim.spec import SimulationSpec
 from sim.geometry.shapes import place
 spec = SimulationSpec.model_validate({{"fps": 24, "rigid": {{"bodies": {{"cone":
@@ -175,6 +112,41 @@ def test_a_look_is_drawn(package, tmp_path):
     assert red > 240 and blue > 240 and green < 15
 
 
+def test_an_integrator_steps(package, tmp_path):
+    """One that inherits all that it does gives the same bytes."""
+    frames = []
+    for name in ("symplectic_euler", "same"):
+        cloth = {"sheets": {"towel": TOWEL | {"pins": ["left"]}}, "integrator": name}
+        folder = package.simulate(tmp_path / name, 3, fps=50, cloth=cloth)
+        frames.append((folder / "cloth_towel_00003.ply").read_bytes())
+    assert frames[0] == frames[1]
+
+
+def stable_step(sheet: dict[str, Any]) -> float:
+    """Of explicit methods [s]."""
+    from sim.cloth.fabric.mesh import Elastic
+    from sim.cloth.integrators.symplectic_euler import longest_step
+    from sim.cloth.model import find_sheets
+    from sim.cloth.spec import Cloth
+
+    (item,) = find_sheets(Cloth.model_validate({"sheets": {"towel": sheet}}), Path())
+    return longest_step(Elastic([item.sheet], [item.fabric], item.held))
+
+
+def test_an_integrator_of_its_own_has_settings_of_its_own(package, tmp_path):
+    """The middle of a sheet that swings in itself falls by g t^2 / 2. Velocity Verlet keeps the energy but for about
+    (w dt)^2 / 4 of what is elastic, where 2 / w is the longest stable step."""
+    sheet = TOWEL | {"rest_scale": 1.02, "damping": 0, "bend_damping": 0, "bend_stiffness": 0}
+    cloth = {"sheets": {"towel": sheet}, "integrator": "verlet", "extra": {"verlet": {"substeps": 50}}}
+    out = package.simulate(tmp_path / "out", 5, fps=50, cloth=cloth)
+    vertices = PlyData.read(out / "cloth_towel_00005.ply")["vertex"]
+    assert np.mean(vertices["y"]) == pytest.approx(1 - 9.81 * 0.1**2 / 2, abs=1e-6)
+    steps = read_table(out / "steps.csv")
+    assert set(steps["cloth_substeps"]) == {50}
+    parts = [steps[f"cloth_{kind}_energy"] for kind in ("kinetic", "potential", "elastic")]
+    assert np.ptp(sum(parts)) < (steps["dt"].max() / 50 / stable_step(sheet)) ** 2 * parts[2].max()
+
+
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
@@ -190,13 +162,66 @@ def test_what_nobody_adds_or_takes_is_refused(package, tmp_path, extra, message)
     assert message in done.stderr
 
 
+def test_steps_that_an_integrator_allows_are_refused_where_they_are_too_short(package, tmp_path):
+    cloth = {"sheets": {"towel": TOWEL}, "integrator": "verlet", "extra": {"verlet": {"longest": 1e-9}}}
+    options = ["--folder", tmp_path, "--frames", "0:0", "--out", tmp_path / "out"]
+    done = package.python("-m", "sim.segment", "--spec", json.dumps({"fps": 24, "cloth": cloth}), *options)
+    assert done.returncode == 2
+    assert "patience allows steps of 1e-09 s only" in done.stderr
+
+
+def cloth(**settings: Any) -> dict[str, Any]:
+    return {"cloth": {"sheets": {"towel": TOWEL}} | settings}
+
+
 @pytest.mark.parametrize(
-    ("file", "stages"), [("force", {"simulate"}), ("look", {"render"}), ("settings", {"simulate", "render"})]
+    ("scene", "field", "fix"),
+    [
+        ({"fluid": DROP | {"extra": {"wnd": {}}}}, "fluid.extra: no force or solver 'wnd'", "did you mean 'wind'?"),
+        (cloth(extra={"vrlet": {}}), "cloth.extra: no integrator 'vrlet'", "did you mean 'verlet'?"),
+        (cloth(extra={"verlet": {"longest": -1}}), "cloth.extra: verlet.longest", "should be greater than 0"),
+        (cloth(integrator="vrlet"), "cloth.integrator", "did you mean 'verlet'?"),
+        ({"fluid": DROP} | cloth(integrator="verlet"), "cloth.integrator", "use cloth.integrator: implicit_euler"),
+        (
+            {"cloth": {"sheets": {"towel": TOWEL | {"stretch_stiffness": 1e12}}, "integrator": "same"}},
+            "cloth.integrator: the stiffness of the cloth allows explicit steps of",
+            "use implicit_euler",
+        ),
+    ],
 )
-def test_an_edit_of_the_package_repeats_the_stages_that_use_it(package, file, stages):
-    code = "from workflow.plan.additions import digest; print(digest('simulate'), digest('render'), digest('film'))"
-    before = package.python("-c", code).stdout.split()
-    package.write(f"outside/{file}.py", FILES[file] + "\n")
-    after = package.python("-c", code).stdout.split()
-    changed = {stage for stage, one, other in zip(("simulate", "render"), before, after, strict=True) if one != other}
-    assert changed == stages
+def test_check_names_field_and_fix(package, tmp_path, scene, field, fix):
+    (tmp_path / "scene.yaml").write_text(json.dumps({"duration": 1} | scene))
+    done = package.python("-m", "sim", "check", tmp_path / "scene.yaml")
+    assert done.returncode == 2
+    assert field in done.stderr and fix in done.stderr.partition("fix: ")[2]
+
+
+@pytest.mark.parametrize(
+    ("file", "jobs"),
+    [
+        ("force", {"fluid"}),
+        ("solver", {"fluid"}),
+        ("integrator", {"cloth"}),
+        ("shape", {"fluid", "cloth", "rigid"}),
+        ("look", {"render"}),
+        ("settings", {"fluid", "cloth", "rigid", "render"}),
+    ],
+)
+def test_an_edit_of_the_package_repeats_the_jobs_that_use_it(package, file, jobs):
+    before = digests(package)
+    assert set(before) == {"fluid", "cloth", "rigid", "render", "reconstruct", "film"}
+    with (package.folder / "outside" / f"{file}.py").open("a") as edited:
+        edited.write("\n")
+    after = digests(package)
+    assert {job for job in before if before[job] != after[job]} == jobs
+
+
+def digests(package: Package) -> dict[str, str]:
+    """Of simulations by their material, and of the other stages."""
+    code = """
+import json
+from workflow.plan.additions import digest
+found = {material: digest("simulate", frozenset({material})) for material in ("fluid", "cloth", "rigid")}
+print(json.dumps(found | {stage: digest(stage, frozenset()) for stage in ("render", "reconstruct", "film")}))
+"""
+    return json.loads(package.python("-c", code).stdout)

@@ -1,4 +1,4 @@
-"""What a stage depends on of solvers, forces, shapes and looks that installed packages add."""
+"""What a stage depends on of solvers, integrators and all else that installed packages add."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from typing import Any
 
 from common.registry import added
 
-KINDS = {"simulate": ("solvers", "forces", "shapes"), "render": ("looks",)}
-"""By the stage that uses them."""
+KINDS = {
+    "simulate": {"solvers": "fluid", "forces": "fluid", "integrators": "cloth", "shapes": ""},
+    "render": {"looks": ""},
+}
+"""By the stage that uses them, with the material without which a scene does not."""
 
 
-def digest(stage: str) -> str:
-    """Digest of the files with their settings and with what does their work; empty where there are none."""
-    files = sorted(
-        {file for kind in KINDS.get(stage, ()) for settings in added(kind).values() for file in _of(settings)}
-    )
+def digest(stage: str, materials: frozenset[str]) -> str:
+    """Digest of the files with their settings and with what does their work, for scenes with these materials; empty
+    where there are none."""
+    kinds = [kind for kind, needed in KINDS.get(stage, {}).items() if not needed or needed in materials]
+    files = sorted({file for kind in kinds for settings in added(kind).values() for file in _of(settings)})
     if not files:
         return ""
     return hashlib.sha256(b"\n".join(file.read_bytes() for file in files)).hexdigest()

@@ -26,12 +26,17 @@ MOST_SUBSTEPS = 20_000
 class SymplecticEuler(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
-        self.stable = settings.symplectic_euler.share * longest_step(mesh)
+        self.stable = self.stable_step(mesh, settings)
         self._workspace = Workspace(
             pull=vectors(np.zeros((mesh.springs, 3))),
             bending=numbers(np.zeros(mesh.hinges)),
             leaning=vectors(np.zeros((4 * mesh.hinges, 3))),
         )
+
+    @staticmethod
+    def stable_step(mesh: Elastic, settings: Cloth) -> float:
+        """The longest step [s] that it takes; known before anything is built that steps."""
+        return settings.integrator_settings.share * longest_step(mesh)
 
     def limits(self) -> dict[str, float]:
         """Largest steps [s] by what limits them."""
