@@ -14,7 +14,7 @@ import numpy as np
 from scene.settings import Refused
 from sim.bodies.obstacles import find_obstacles
 from sim.run.bounds import action_bounds
-from sim.spec import Pressure, SimulationSpec
+from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.bodies.movement import Movement
@@ -186,7 +186,7 @@ class World:
             fastest=self.fastest,
             floor=self.floor,
             depth=self.depth,
-            probed=any(isinstance(probe, Pressure) for probe in self.spec.probes.values()),
+            probed=any(probe.PRESSURES for probe in self.spec.probes.values()),
         )
         self._aim(time)
         self.fluid.system.boundary.move()

@@ -2,8 +2,9 @@
 
 from typing import ClassVar, Literal
 
-from scene.settings import Settings
-from scene.units import PositiveDuration, PositiveLength
+from scene.settings import Name, Settings
+from scene.units import Position, PositiveDuration, PositiveLength
+from sim.run.probes.probe import ProbeSettings
 
 
 class Wind(Settings):
@@ -36,6 +37,20 @@ class Cone(Settings):
     type: Literal["cone"]
     radius: PositiveLength
     height: PositiveLength
+
+
+class AngularMomentum(ProbeSettings):
+    IMPLEMENTATION: ClassVar[str] = "outside.probe:angular_momentum"
+    MATERIAL: ClassVar[str | None] = "fluid"
+    type: Literal["angular_momentum"]
+    about: Position = (0.0, 0.0, 0.0)
+
+
+class Highest(ProbeSettings):
+    IMPLEMENTATION: ClassVar[str] = "outside.probe:highest"
+    MATERIAL: ClassVar[str | None] = "cloth"
+    type: Literal["highest"]
+    sheet: Name
 
 
 class Neon(Settings):

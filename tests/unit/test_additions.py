@@ -170,6 +170,34 @@ def test_steps_that_an_integrator_allows_are_refused_where_they_are_too_short(pa
     assert "patience allows steps of 1e-09 s only" in done.stderr
 
 
+def probed(folder: Path, probe: str) -> np.ndarray:
+    """Rows of one probe, as a record array."""
+    rows = read_table(folder / "probes.csv")
+    return rows[rows["probe"] == probe]
+
+
+def test_a_probe_of_the_fluid_measures(package, tmp_path):
+    """L = m x cross v about a place of its own: of what falls freely from rest x beside it, -m x g t about z; rows have
+    its own rate, name and unit."""
+    from sim.fluid.kernel import particle_mass
+
+    probes = {"spin": {"type": "angular_momentum", "about": [-0.5, 0, 0], "rate": 100}}
+    out = package.simulate(tmp_path / "out", 2, fps=50, fluid=DROP | {"solver": "dfsph"}, probes=probes)
+    rows = probed(out, "spin")
+    assert [str(unit) for unit in rows["unit"]] == ["kg m^2/s"] * 15
+    turning = rows[rows["quantity"] == "angular_momentum_z"]
+    mass = particle_mass(0.04, 0.08, 1000) * len(read_frame(out, 2))
+    assert turning["value"] == pytest.approx(-mass * 0.5 * 9.81 * turning["time"], abs=1e-5 * mass)
+
+
+def test_a_probe_of_cloth_measures(package, tmp_path):
+    """y - g t^2 / 2 of a sheet that falls flat."""
+    scene = {"cloth": {"sheets": {"towel": TOWEL}}, "probes": {"top": {"type": "highest", "sheet": "towel"}}}
+    rows = probed(package.simulate(tmp_path / "out", 3, fps=50, **scene), "top")
+    assert len(rows) == 4
+    assert rows["value"] == pytest.approx(1 - 9.81 * rows["time"] ** 2 / 2, abs=1e-8)
+
+
 def cloth(**settings: Any) -> dict[str, Any]:
     return {"cloth": {"sheets": {"towel": TOWEL}} | settings}
 
@@ -182,6 +210,18 @@ def cloth(**settings: Any) -> dict[str, Any]:
         (cloth(extra={"verlet": {"longest": -1}}), "cloth.extra: verlet.longest", "should be greater than 0"),
         (cloth(integrator="vrlet"), "cloth.integrator", "did you mean 'verlet'?"),
         ({"fluid": DROP} | cloth(integrator="verlet"), "cloth.integrator", "use cloth.integrator: implicit_euler"),
+        ({"fluid": DROP, "probes": {"spin": {"type": "angular"}}}, "unknown type 'angular'", "'angular_momentum'"),
+        (
+            {"fluid": DROP, "probes": {"spin": {"type": "angular_momentum", "about": 3}}},
+            "probes.spin.about",
+            "write a list",
+        ),
+        (cloth() | {"probes": {"top": {"type": "highest", "sheet": "flag"}}}, "'flag' is no sheet of cloth", "towel"),
+        (
+            cloth() | {"probes": {"spin": {"type": "angular_momentum"}}},
+            "measures fluid, and the scene has none",
+            "remove it",
+        ),
         (
             {"cloth": {"sheets": {"towel": TOWEL | {"stretch_stiffness": 1e12}}, "integrator": "same"}},
             "cloth.integrator: the stiffness of the cloth allows explicit steps of",
@@ -202,6 +242,7 @@ def test_check_names_field_and_fix(package, tmp_path, scene, field, fix):
         ("force", {"fluid"}),
         ("solver", {"fluid"}),
         ("integrator", {"cloth"}),
+        ("probe", {"fluid", "cloth", "rigid"}),
         ("shape", {"fluid", "cloth", "rigid"}),
         ("look", {"render"}),
         ("settings", {"fluid", "cloth", "rigid", "render"}),

@@ -11,7 +11,7 @@ from typing import Any
 from common.registry import added
 
 KINDS = {
-    "simulate": {"solvers": "fluid", "forces": "fluid", "integrators": "cloth", "shapes": ""},
+    "simulate": {"solvers": "fluid", "forces": "fluid", "integrators": "cloth", "shapes": "", "probes": ""},
     "render": {"looks": ""},
 }
 """By the stage that uses them, with the material without which a scene does not."""
