@@ -15,7 +15,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
-KINDS = ("solvers", "forces", "integrators", "shapes", "probes", "looks")
+KINDS = ("solvers", "forces", "integrators", "shapes", "probes", "looks", "formats")
 
 
 def names(kind: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from typing import ClassVar, Literal
 from scene.settings import Name, Settings
 from scene.units import Position, PositiveDuration, PositiveLength
 from sim.run.probes.probe import ProbeSettings
+from workflow.formats.format import FormatSettings
 
 
 class Wind(Settings):
@@ -57,3 +58,8 @@ class Neon(Settings):
     IMPLEMENTATION: ClassVar[str] = "outside.look:build"
     type: Literal["neon"]
     strength: float = 1.0
+
+
+class ParticleTable(FormatSettings):
+    IMPLEMENTATION: ClassVar[str] = "outside.format:write"
+    columns: tuple[Literal["x", "y", "z", "vx", "vy", "vz", "density", "id"], ...] = ("x", "y", "z", "id")

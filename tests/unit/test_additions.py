@@ -37,11 +37,11 @@ class Package:
         (about / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
         shutil.copy(OUTSIDE / "entry_points.txt", about)
 
-    def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+    def python(self, *arguments: Any, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
         path = os.pathsep.join([str(ROOT), str(self.folder)])
         environment = {**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, *map(str, arguments)]
-        return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+        return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
 
     def simulate(self, out: Path, frames: int, **scene) -> Path:
         options = ["--folder", out.parent, "--frames", f"0:{frames}", "--out", out, "--arch", "cpu", "--threads", "1"]
@@ -199,6 +199,44 @@ def test_a_probe_of_cloth_measures(package, tmp_path):
     assert rows["value"] == pytest.approx(1 - 9.81 * rows["time"] ** 2 / 2, abs=1e-8)
 
 
+@pytest.fixture
+def drop(package, tmp_path) -> Path:
+    """A folder with a scene and what a run of it has left."""
+    (tmp_path / "scenes").mkdir()
+    scene = {"duration": 0.04, "fps": 50, "fluid": DROP | {"solver": "dfsph"}}
+    (tmp_path / "scenes" / "drop.yaml").write_text(json.dumps(scene))
+    done = package.python("-m", "sim", "run", "scenes/drop.yaml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    return tmp_path
+
+
+def exported(package: Package, folder: Path, out: str, *options: str) -> subprocess.CompletedProcess[str]:
+    return package.python("-m", "workflow.export", "drop", "--simulation", "out", "--out", out, *options, cwd=folder)
+
+
+def test_a_format_is_written_and_read_back(package, drop):
+    """All that its columns ask for of the frames asked for, as the files of particles have it."""
+    done = exported(package, drop, "drop.csv", "--frames", "1:2", "--spec", '{"columns": ["y", "id"]}')
+    assert done.returncode == 0, done.stderr
+    table = read_table(drop / "drop.csv")
+    assert table.dtype.names == ("frame", "y", "id")
+    for frame in (1, 2):
+        points, rows = read_frame(drop / "out", frame), table[table["frame"] == frame]
+        assert np.array_equal(rows["id"], points["id"])
+        assert np.array_equal(rows["y"].astype(np.float32), points["y"])
+    refused = {
+        "drop.cvs": "no format 'cvs'. did you mean 'csv'?",
+        "drop.usdc": "the surface of the water is missing. make the film first",
+    }
+    for out, message in refused.items():
+        done = exported(package, drop, out)
+        assert (done.returncode, (drop / out).exists()) == (2, False)
+        assert message in done.stderr
+    done = exported(package, drop, "other.csv", "--spec", '{"columns": ["mass"]}')
+    assert (done.returncode, (drop / "other.csv").exists()) == (2, False)
+    assert "columns.0: Input should be 'x', 'y'" in done.stderr
+
+
 def cloth(**settings: Any) -> dict[str, Any]:
     return {"cloth": {"sheets": {"towel": TOWEL}} | settings}
 
@@ -246,6 +284,7 @@ def test_check_names_field_and_fix(package, tmp_path, scene, field, fix):
         ("probe", {"fluid", "cloth", "rigid"}),
         ("shape", {"fluid", "cloth", "rigid"}),
         ("look", {"render"}),
+        ("format", set()),
         ("settings", {"fluid", "cloth", "rigid", "render"}),
     ],
 )
