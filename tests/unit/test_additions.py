@@ -283,6 +283,7 @@ def test_check_names_field_and_fix(package, tmp_path, scene, field, fix):
         ("integrator", {"cloth"}),
         ("probe", {"fluid", "cloth", "rigid"}),
         ("shape", {"fluid", "cloth", "rigid"}),
+        ("cone", {"fluid", "cloth", "rigid"}),
         ("look", {"render"}),
         ("format", set()),
         ("settings", {"fluid", "cloth", "rigid", "render"}),

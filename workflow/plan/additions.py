@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-import inspect
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from common.registry import added
+from workflow.plan import sources
 
 KINDS = {
     "simulate": {"solvers": "fluid", "forces": "fluid", "integrators": "cloth", "shapes": "", "probes": ""},
@@ -27,7 +28,15 @@ def digest(stage: str, materials: frozenset[str]) -> str:
     return hashlib.sha256(b"\n".join(file.read_bytes() for file in files)).hexdigest()
 
 
-def _of(settings: Any) -> set[Path]:
-    work = find_spec(settings.IMPLEMENTATION.partition(":")[0])
-    origins = (inspect.getfile(settings), work.origin if work else None)
-    return {Path(origin) for origin in origins if origin}
+def _of(settings: Any) -> Iterator[Path]:
+    """The module of the settings, the one that does their work, and what these import of their own packages."""
+    for module in (settings.__module__, settings.IMPLEMENTATION.partition(":")[0]):
+        package, found = module.partition(".")[0], find_spec(module)
+        if found is None or found.origin is None:
+            continue
+        file = Path(found.origin)
+        if file.suffix != ".py":
+            yield file
+            continue
+        above = len(module.split(".")) + (file.name == "__init__.py")
+        yield from sources.closure(module, file.parents[above - 1], packages=(package,))
