@@ -29,9 +29,10 @@ def added(kind: str) -> dict[str, Any]:
     return {entry.name: entry.load() for entry in sorted(entry_points(group=f"tidemill.{kind}"), key=lambda e: e.name)}
 
 
-def packages() -> set[str]:
-    """The packages in which the work of what they add is done."""
-    return {settings.IMPLEMENTATION.partition(".")[0] for kind in KINDS for settings in added(kind).values()}
+def packages(*kinds: str) -> set[str]:
+    """The packages in which the work of what they add is done, of all KINDS unless some are given."""
+    modules = (s.IMPLEMENTATION.partition(":")[0] for kind in kinds or KINDS for s in added(kind).values())
+    return {module.partition(".")[0] for module in modules}
 
 
 def load(where: str) -> Any:

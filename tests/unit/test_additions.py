@@ -98,18 +98,54 @@ print(place(body.shape, body, Path({str(tmp_path)!r})).mass_properties(500.0).ma
     assert (out / "body_cone.ply").exists()
 
 
-def test_a_look_is_drawn(package, tmp_path):
+@pytest.fixture
+def blender(tmp_path) -> Path:
+    """What stands in for an installed one: a Python that knows bpy and NumPy, and nothing else of site-packages."""
+    known = tmp_path / "known"
+    known.mkdir()
+    for name in ("bpy", "numpy", "numpy.libs"):
+        place = Path(np.__file__).parents[1] / name
+        if place.exists():
+            (known / name).symlink_to(place)
+    start = tmp_path / "start.py"
+    start.write_text(f"""
+import runpy, sys
+sys.path.append({str(known)!r})
+runpy.run_path(sys.argv[sys.argv.index("--python") + 1], run_name="__main__")
+""")
+    program = tmp_path / "blender"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -I -S {start} "$@"\n')
+    program.chmod(0o755)
+    return program
+
+
+@pytest.mark.parametrize("installed", [False, True])
+def test_a_look_is_drawn(package, tmp_path, blender, installed):
     """A ball that shines in magenta, before black."""
     ball = {"shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0.5, 0]}
     simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
     settings = {"resolution": [48, 48], "samples": 4, "view_transform": "Standard", "ground": {"enabled": False}}
     settings |= {"materials": {"ball": {"type": "neon"}}, "background": {"type": "plain", "color": "#000000"}}
+    settings |= {"blender": str(blender)} if installed else {}
     options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
     done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "frames" / "00000.png") as picture:
         red, green, blue = np.asarray(picture.convert("RGB"))[24, 24]
     assert red > 240 and blue > 240 and green < 15
+
+
+def test_a_look_that_needs_what_blender_has_not_is_refused(package, tmp_path, blender):
+    look = package.folder / "outside" / "look.py"
+    look.write_text(f"import pydantic\n\n{look.read_text()}")
+    ball = {"shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0.5, 0]}
+    simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
+    settings = {"resolution": [16, 16], "samples": 1, "blender": str(blender), "materials": {"ball": {"type": "neon"}}}
+    options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
+    done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
+    assert done.returncode == 2
+    assert "the look `type: neon` cannot be built in this Blender: No module named 'pydantic'" in done.stderr
+    assert "leave out render.blender" in done.stderr
 
 
 def test_an_integrator_steps(package, tmp_path):
