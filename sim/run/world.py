@@ -314,9 +314,8 @@ class World:
                 return "rigid.max_step", "raise it"
             case "cloth step":
                 return "cloth.max_step", "raise it"
-            case "cloth stiffness":
-                remedy = "use cloth.integrator: implicit_euler, a lower stiffness, or a larger spacing"
-                return f"the stiffness of the cloth (explicit steps of {self.cloth.integrator.stable:.2g} s)", remedy
+            case term if self.cloth and term in self.cloth.integrator.limits():
+                return self.cloth.integrator.limiting_term(term)
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "pressure":
@@ -328,8 +327,6 @@ class World:
             case "surface tension":
                 tension = max(self.spec.fluid.surface_tension, self.spec.fluid.adhesion)
                 return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
-            case term if term != "signal":
-                return term, "change the settings that it follows from"
         speeds = f"fluid {measure.v_max:.3g} m/s"
         if self.spec.fluid.solver == "wcsph":
             speeds = f"sound {self.fluid.fastest_signal:.3g} m/s, {speeds}"

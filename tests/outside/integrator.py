@@ -21,6 +21,9 @@ class Verlet:
     def limits(self):
         return {"patience": self.settings.longest}
 
+    def limiting_term(self, term):
+        return f"the {term} of this integrator", "raise cloth.extra.verlet.longest"
+
     def advance(self, dt):
         points, number = self.mesh.points, self.settings.substeps
         position, velocity = points.position.to_numpy(), points.velocity.to_numpy()

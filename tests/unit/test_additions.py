@@ -203,7 +203,8 @@ def test_steps_that_an_integrator_allows_are_refused_where_they_are_too_short(pa
     options = ["--folder", tmp_path, "--frames", "0:0", "--out", tmp_path / "out"]
     done = package.python("-m", "sim.segment", "--spec", json.dumps({"fps": 24, "cloth": cloth}), *options)
     assert done.returncode == 2
-    assert "patience allows steps of 1e-09 s only" in done.stderr
+    assert "the patience of this integrator allows steps of 1e-09 s only" in done.stderr
+    assert "raise cloth.extra.verlet.longest" in done.stderr
 
 
 def probed(folder: Path, probe: str) -> np.ndarray:

@@ -28,7 +28,7 @@ class WaterHeight(ProbeSettings):
 
 
 class Pressure(ProbeSettings):
-    """Pressure of the fluid at a point [Pa]; beside a solid, what it exerts there."""
+    """Pressure of the fluid at a point [Pa]; beside a solid, the pressure on it there."""
 
     IMPLEMENTATION: ClassVar[str] = "sim.run.probes.pressure:read"
     MATERIAL: ClassVar[str | None] = "fluid"
@@ -36,7 +36,7 @@ class Pressure(ProbeSettings):
     type: Literal["pressure"]
     at: Position
     mean: bool = False
-    """Each row is the mean over the time since the one before, and not the value at its time: peaks are filtered."""
+    """Each row is the mean since the previous one instead of an instantaneous value: peaks are filtered."""
 
 
 class Front(ProbeSettings):
@@ -57,7 +57,7 @@ class Volume(ProbeSettings):
 
 
 class Region(Settings):
-    """A box along the axes."""
+    """An axis-aligned box."""
 
     low: Position
     high: Position
@@ -77,10 +77,10 @@ class BodyForce(ProbeSettings):
     type: Literal["force"]
     body: Name
     region: Region | None = None
-    """Only what acts on the part of the surface that is in here at the time of the row."""
+    """Only the force on the part of the surface that is inside at the time of the row."""
     mean: bool = False
-    """Each row is the mean over the time since the one before, and not the value at its time; the impulse since the
-    start [N s] is told, too."""
+    """Each row is the mean since the previous one instead of an instantaneous value; the impulse since the start [N
+    s] is recorded, too."""
 
 
 class VertexPosition(ProbeSettings):
