@@ -15,6 +15,7 @@ MATERIALS = ("fluid",)
 
 
 def read(probe: BodyForce, view: View) -> Iterator[Row]:
+    """Force [N] and torque [N m], three components each."""
     force, torque = force_on(view, probe.body, probe.region)
     yield from ((f"force_{axis}", float(force[k]), "N") for k, axis in enumerate("xyz"))
     yield from ((f"torque_{axis}", float(torque[k]), "N m") for k, axis in enumerate("xyz"))

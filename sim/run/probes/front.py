@@ -13,6 +13,7 @@ MATERIALS = ("fluid",)
 
 
 def read(probe: Front, view: View) -> Iterator[Row]:
+    """Reach along the axis [m]."""
     yield "front", front(view.fluid, probe.axis), "m"
 
 

@@ -12,7 +12,7 @@ MATERIALS = ("cloth",)
 
 
 def read(probe: PinForce, view: View) -> Iterator[Row]:
-    """Nothing while the sheet is not there."""
+    """Force of all pins [N], three components; nothing while the sheet is not there."""
     if view.has_sheet(probe.sheet):
         force = view.world.cloth.pin_force(probe.sheet)
         yield from ((f"force_{axis}", float(force[k]), "N") for k, axis in enumerate("xyz"))

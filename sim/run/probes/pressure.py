@@ -15,5 +15,6 @@ MATERIALS = ("fluid",)
 
 
 def read(probe: Pressure, view: View) -> Iterator[Row]:
+    """Pressure at the point [Pa]."""
     pressure = pressure_at(view.fluid, view.world.fluid.system, view.world.origin, np.array(probe.at))
     yield "pressure", pressure, "Pa"

@@ -12,7 +12,7 @@ MATERIALS = ("cloth",)
 
 
 def read(probe: VertexPosition, view: View) -> Iterator[Row]:
-    """Nothing while the sheet is not there."""
+    """Its three coordinates [m]; nothing while the sheet is not there."""
     if view.has_sheet(probe.sheet):
         place = view.world.cloth.vertices(probe.sheet)[0][probe.vertex]
         yield from ((f"position_{axis}", float(place[k]), "m") for k, axis in enumerate("xyz"))

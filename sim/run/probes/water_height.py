@@ -16,6 +16,7 @@ MATERIALS = ("fluid",)
 
 
 def read(probe: WaterHeight, view: View) -> Iterator[Row]:
+    """Height of the surface [m]."""
     yield "water_height", water_height(view.fluid, probe.x, probe.z), "m"
 
 
