@@ -1,9 +1,8 @@
 """What is chosen by name: built in, or added by installed packages through entry points.
 
-A package adds a solver, a force, a shape or a look by an entry point of the group `tidemill.solvers`,
-`tidemill.forces`, `tidemill.shapes` or `tidemill.looks`: its name is that in scene files, its value a class of settings
-(`scene.settings.Settings`). The class says by IMPLEMENTATION, as `module:attribute`, what does the work; that is
-imported only when it is used.
+A package adds one of KINDS by an entry point of the group `tidemill.KIND`: its name is that in scene files, its value a
+class of settings (`scene.settings.Settings`). The class says by IMPLEMENTATION, as `module:attribute`, what does the
+work; that is imported only when it is used.
 
     [project.entry-points."tidemill.forces"]
     wind = "tidemill_wind.settings:Wind"
@@ -16,7 +15,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
-KINDS = ("solvers", "forces", "shapes", "looks")
+KINDS = ("solvers", "forces", "integrators", "shapes", "probes", "looks", "formats")
 
 
 def names(kind: str) -> tuple[str, ...]:
@@ -30,9 +29,10 @@ def added(kind: str) -> dict[str, Any]:
     return {entry.name: entry.load() for entry in sorted(entry_points(group=f"tidemill.{kind}"), key=lambda e: e.name)}
 
 
-def packages() -> set[str]:
-    """The packages in which the work of what they add is done."""
-    return {settings.IMPLEMENTATION.partition(".")[0] for kind in KINDS for settings in added(kind).values()}
+def packages(*kinds: str) -> set[str]:
+    """The packages in which the work of what they add is done, of all KINDS unless some are given."""
+    modules = (s.IMPLEMENTATION.partition(":")[0] for kind in kinds or KINDS for s in added(kind).values())
+    return {module.partition(".")[0] for module in modules}
 
 
 def load(where: str) -> Any:

@@ -7,13 +7,14 @@ import os
 import sys
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from common.command import end_with
 from common.files import write_json
 from common.manifest import spoiled
-from common.registry import added
+from common.registry import added, packages
 from common.signals import at_once
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
@@ -74,6 +75,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         log=str(log.resolve()),
         fps=options.fps,
         threads=options.threads,
+        packages=_files(packages("looks")),
         save_blend=os.path.abspath(options.save_blend) if options.save_blend else None,
         export=_export_path(options.export),
     )
@@ -94,6 +96,12 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     for warning in summary["warnings"]:
         print(f"render: warning: {warning}", file=sys.stderr)
     write_json(out / "summary.json", {"status": "done", **summary})
+
+
+def _files(names: set[str]) -> dict[str, str]:
+    """The file of each package, `__init__.py` where it is a folder."""
+    found = {name: find_spec(name) for name in sorted(names)}
+    return {name: spec.origin for name, spec in found.items() if spec is not None and spec.origin is not None}
 
 
 def _with_builders(settings: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,8 @@ class Job:
     """Frames per simulated second [Hz]."""
     threads: int | None = None
     save_blend: str | None = None
+    packages: dict[str, str] = field(default_factory=dict)
+    """Those that add looks, and their files: Blender's own Python does not know where they are installed."""
     export: str | None = None
     """Instead of pictures: a file of the animation, .usd, .usda, .usdc, .abc or .blend."""
 

@@ -24,7 +24,7 @@ def meanings(settings: type[Settings]) -> dict[str, str]:
     for group in reversed(settings.__mro__):
         if issubclass(group, Settings):
             found |= dict(_docstrings(_definition(group)))
-    return found
+    return {name: text for name, text in found.items() if name in settings.model_fields}
 
 
 class WithMeanings(GenerateJsonSchema):

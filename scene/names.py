@@ -10,7 +10,7 @@ from scene.diagnostics.suggestions import suggestion
 from scene.events import apply
 from scene.settings import Refused
 from sim.rigid.spec import ContactPair
-from sim.spec import BodyForce, PinForce, SimulationSpec, VertexPosition
+from sim.spec import SimulationSpec
 
 Location = tuple[str | int, ...]
 
@@ -63,6 +63,9 @@ def resolve(spec: SimulationSpec) -> dict[str, Named]:
     found = named(spec)
     for name, probe in spec.probes.items():
         _resolve_probe(("probes", name), probe, found)
+        if probe.MATERIAL not in {None, *spec.materials()}:
+            message = f"this probe measures {probe.MATERIAL}, and the scene has none"
+            raise Refused(message, location=("probes", name), remedy="remove it")
     if spec.rigid is not None:
         _resolve_pairs(spec.rigid.pairs, found, ("rigid", "pairs"))
     _resolve_events(spec, found)
@@ -77,26 +80,24 @@ def resolve_one(name: str, found: dict[str, Named], location: Location) -> Named
 
 
 def _resolve_probe(location: Location, probe: Any, found: dict[str, Named]) -> None:
-    match probe:
-        case BodyForce():
-            solids = {
-                name: item for name, item in found.items() if item.kind == "a rigid body" and _has_surface(item.body)
-            }
-            if probe.body in found and probe.body not in solids:
-                raise Refused(
-                    f"the force on '{probe.body}' cannot be measured: it is no rigid body with a surface",
-                    location=(*location, "body"),
-                    remedy=_offer(probe.body, solids, "name a rigid body that is no plane"),
-                )
-            resolve_one(probe.body, found if probe.body in found else solids, (*location, "body"))
-        case VertexPosition() | PinForce():
-            sheets = {name: item for name, item in found.items() if item.kind == "a sheet of cloth"}
-            if probe.sheet not in sheets:
-                raise Refused(
-                    f"'{probe.sheet}' is no sheet of cloth",
-                    location=(*location, "sheet"),
-                    remedy=_offer(probe.sheet, sheets, "the scene has none: remove the probe"),
-                )
+    body, sheet = (getattr(probe, key, None) for key in ("body", "sheet"))
+    if body is not None:
+        solids = {name: item for name, item in found.items() if item.kind == "a rigid body" and _has_surface(item.body)}
+        if body in found and body not in solids:
+            raise Refused(
+                f"the {probe.type} on '{body}' cannot be measured: it is no rigid body with a surface",
+                location=(*location, "body"),
+                remedy=_offer(body, solids, "name a rigid body that is no plane"),
+            )
+        resolve_one(body, found if body in found else solids, (*location, "body"))
+    if sheet is not None:
+        sheets = {name: item for name, item in found.items() if item.kind == "a sheet of cloth"}
+        if sheet not in sheets:
+            raise Refused(
+                f"'{sheet}' is no sheet of cloth",
+                location=(*location, "sheet"),
+                remedy=_offer(sheet, sheets, "the scene has none: remove the probe"),
+            )
 
 
 def _resolve_pairs(pairs: Iterable[ContactPair], known: dict[str, Named], location: Location) -> None:

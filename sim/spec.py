@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Gt, Le
+from annotated_types import Gt, Le
 from pydantic import Field, model_validator
 
 from scene.settings import Name, Settings
-from scene.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Length, Position, PositiveDuration
+from scene.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import ClosedMesh, Placement
 from sim.rigid.spec import Contact, Rigid, RigidBody
+from sim.run.probes.spec import Probe
 
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
@@ -70,90 +71,6 @@ class TimeStep(Settings):
         if self.fixed is not None and self.maximum is not None:
             raise ValueError("fixed and maximum exclude each other: remove one of them")
         return self
-
-
-class WaterHeight(Settings):
-    """Height of the fluid's surface above a point of the ground plane [m]."""
-
-    type: Literal["water_height"]
-    x: Length
-    """Position of the vertical line [m]."""
-    z: Length = 0.0
-    """Position of the vertical line [m]."""
-    rate: Frequency | None = None
-
-
-class Pressure(Settings):
-    """Pressure of the fluid at a point [Pa]; beside a solid, what it exerts there."""
-
-    type: Literal["pressure"]
-    at: Position
-    rate: Frequency | None = None
-    mean: bool = False
-    """Each row is the mean over the time since the one before, and not the value at its time: peaks are filtered."""
-
-
-class Front(Settings):
-    """How far the fluid reaches along an axis [m]."""
-
-    type: Literal["front"]
-    axis: Literal["x", "y", "z", "-x", "-y", "-z"]
-    rate: Frequency | None = None
-
-
-class Volume(Settings):
-    """Volume of the fluid, each particle at its own density [m^3]."""
-
-    type: Literal["volume"]
-    rate: Frequency | None = None
-
-
-class Region(Settings):
-    """A box along the axes."""
-
-    low: Position
-    high: Position
-
-    @model_validator(mode="after")
-    def _is_a_box(self) -> Self:
-        if not all(a < b for a, b in zip(self.low, self.high, strict=True)):
-            raise ValueError("low must be below high along each axis: swap them")
-        return self
-
-
-class BodyForce(Settings):
-    """Force [N] and torque about the centre of mass [N m] of the fluid on a rigid body."""
-
-    type: Literal["force"]
-    body: Name
-    region: Region | None = None
-    """Only what acts on the part of the surface that is in here at the time of the row."""
-    rate: Frequency | None = None
-    mean: bool = False
-    """Each row is the mean over the time since the one before, and not the value at its time; the impulse since the
-    start [N s] is told, too."""
-
-
-class VertexPosition(Settings):
-    """Position of a vertex of a cloth sheet [m]."""
-
-    type: Literal["vertex"]
-    sheet: Name
-    vertex: Annotated[int, Ge(0)]
-    rate: Frequency | None = None
-
-
-class PinForce(Settings):
-    """Force of all pins of a cloth sheet on it [N]."""
-
-    type: Literal["pin_force"]
-    sheet: Name
-    rate: Frequency | None = None
-
-
-Probe = Annotated[
-    WaterHeight | Pressure | Front | Volume | BodyForce | VertexPosition | PinForce, Field(discriminator="type")
-]
 
 
 class Addition(Settings):

@@ -1,12 +1,18 @@
-"""The animation of a film for other programs: USD, Alembic, or a .blend that holds all it needs.
+"""What was made of a scene for other programs: an animation, or what a format of an installed package writes.
 
     python -m workflow.export bunny --out bunny.usdc
     python -m workflow.export bunny --out bunny.abc --frames 0:24
     python -m workflow.export bunny --out bunny.blend --blender /usr/bin/blender
+    python -m workflow.export bunny --out bunny.csv --spec '{"columns": ["x", "y"]}' --simulation out
 
-It reads what the stages left in results/. Bodies and the camera are keyframes; water and cloth, whose triangles change,
-are sequences of meshes: sampled in USD and Alembic, one object a frame in a .blend, which therefore needs no files and
-no scripts. Older Blenders open no .blend of newer ones: --blender names the one that writes it.
+It reads what the stages left in results/, so that nothing is made anew for it; or what `python -m sim run` left. The
+last of these examples is for a package that adds the format csv.
+
+In USD, Alembic and .blend, bodies and the camera are keyframes; water and cloth, whose triangles change, are sequences
+of meshes: sampled in USD and Alembic, one object a frame in a .blend, which therefore needs no files and no scripts.
+Older Blenders open no .blend of newer ones: --blender names the one that writes it.
+
+exit codes: 0 done, 1 failed, 2 refused (the scene, settings or files cannot be used as they are)
 """
 
 from __future__ import annotations
@@ -14,21 +20,28 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from common.command import end_with
-from render.__main__ import main as render
+from common.registry import load as implementation
+from scene.diagnostics.suggestions import suggestion
 from scene.document import SceneError
-from scene.load import load
+from scene.load import Scene, load
 from scene.presets import QUALITIES
 from scene.settings import Refused
+from scene.spec_option import HELP, read_spec
+from workflow.formats import formats
+from workflow.formats.format import FormatSettings, Made
 from workflow.plan.jobs import Plan
 from workflow.plan.shelf import SCENE_FILES
+from workflow.plan.timeline import Frames
 from workflow.stages.film import tables
-from workflow.stages.stage import frames
+from workflow.stages.stage import FAILED, REFUSED, frames, refuse_spoiled
 
 
-def gather(parts: list[Path], folder: Path) -> Path:
+def gather(parts: Sequence[Path], folder: Path) -> Path:
     """One folder with the files of all parts of a stage, as links, and with their tables as one."""
     folder.mkdir()
     for part in parts:
@@ -41,39 +54,68 @@ def gather(parts: list[Path], folder: Path) -> Path:
     return folder
 
 
+def export(scene: Scene, out: Path, settings: FormatSettings, asked: Frames, simulation: Path | None = None) -> int:
+    """Write `out`; `simulation` is the folder of a run that is no film's. Returns the exit status; raises Refused."""
+    simulated, meshed = ([simulation], []) if simulation else _parts(scene)
+    needed = [*simulated, *(meshed if settings.SURFACE else [])]
+    missing = next((folder for folder in needed if not folder.is_dir()), None)
+    if missing or (settings.SURFACE and simulation and scene.simulation.fluid is not None):
+        raise Refused(f"{missing or 'the surface of the water'} is missing", remedy="make the film first")
+    has_surface = bool(meshed) and all(folder.is_dir() for folder in meshed)
+    refuse_spoiled([*simulated, *(meshed if has_surface else [])], "", frames=asked)
+    with tempfile.TemporaryDirectory(prefix="export-") as scratch:
+        made = Made(
+            scene,
+            asked,
+            gather(simulated, Path(scratch) / "simulation"),
+            gather(meshed, Path(scratch) / "surface") if has_surface else None,
+        )
+        return implementation(settings.IMPLEMENTATION)(settings, made, out) or 0
+
+
+def _parts(scene: Scene) -> tuple[list[Path], list[Path]]:
+    """Folders of the simulation and of the surface of a film, there or not."""
+    plan = Plan(scene, Path(__file__).parents[1])
+    simulated, meshed = ([Path(job.folder) for job in plan.jobs(stage)] for stage in ("simulate", "reconstruct"))
+    return simulated, meshed
+
+
+def _settings(out: Path, given: str) -> FormatSettings:
+    """Those of the format that the name of a file asks for; raises Refused."""
+    known, name = formats(), out.suffix.removeprefix(".")
+    if name not in known:
+        raise Refused(f"--out {out}: no format '{name}'", remedy=suggestion(name, known))
+    return read_spec(known[name], given)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.export", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("scene", help="name of a scene, as bunny")
-    parser.add_argument("--out", required=True, metavar="FILE", help="bunny.usdc, bunny.usda, bunny.abc or bunny.blend")
+    parser.add_argument("--out", required=True, type=Path, metavar="FILE", help=f"{', '.join(formats())}: by its end")
+    parser.add_argument("--spec", default="{}", metavar="JSON", help=f"of the format: {HELP}")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--frames", type=frames, metavar="A:B", help="first and last, both included (default: all)")
+    parser.add_argument("--simulation", type=Path, metavar="DIR", help="what `python -m sim run` left, not a film's")
     parser.add_argument("--blender", metavar="PATH", help="an installed Blender that writes the file")
     options = parser.parse_args(arguments)
     try:
+        settings = _settings(options.out, options.spec)
         scene = load(SCENE_FILES.find(options.scene), quality=options.quality)
+        if options.blender is not None:
+            scene = replace(scene, render=scene.render.model_copy(update={"blender": options.blender}))
+        asked = options.frames or Frames(0, scene.last_frame)
+        status = export(scene, options.out, settings, asked, options.simulation)
     except (SceneError, Refused) as error:
         print(f"export: {error}", file=sys.stderr)
-        return 2
-    plan = Plan(scene, Path(__file__).parents[1])
-    simulated, meshed = ([Path(job.folder) for job in plan.jobs(stage)] for stage in ("simulate", "reconstruct"))
-    missing = [folder for folder in (*simulated, *meshed) if not folder.is_dir()]
-    if missing:
-        print(f"export: {missing[0]} is missing: make the film first", file=sys.stderr)
-        return 2
-    asked = options.frames or f"0:{scene.last_frame}"
-    settings = scene.render if options.blender is None else scene.render.model_copy(update={"blender": options.blender})
-    with tempfile.TemporaryDirectory(prefix="export-") as name:
-        scratch = Path(name)
-        command = ["--spec", settings.model_dump_json(exclude_none=True), "--frames", str(asked)]
-        command += ["--simulation", str(gather(simulated, scratch / "simulation"))]
-        command += ["--surface", str(gather(meshed, scratch / "surface"))] if meshed else []
-        command += ["--fps", repr(scene.simulation.fps), "--out", str(scratch / "out"), "--export", options.out]
-        code = render(command)
-    if code == 0:
+        return REFUSED
+    except OSError as error:
+        print(f"export: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
+        return FAILED
+    if status == 0:
         print(options.out)
-    return code
+    return status
 
 
 if __name__ == "__main__":

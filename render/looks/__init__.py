@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from common.registry import load
+from render.errors import Unusable
 
 Build = Callable[[Any, Any, float], tuple[Any, Any]]
 
@@ -26,5 +27,14 @@ LOOKS = {
 
 
 def load_look(look: Any) -> Build:
-    """What builds a look; settings of one that an installed package adds say it themselves, in `build`."""
-    return load(getattr(look, "build", None) or LOOKS[look.type])
+    """What builds a look; settings of one that an installed package adds say it themselves, in `build`.
+
+    Raises Unusable where that cannot be imported by the Python of this Blender.
+    """
+    try:
+        return load(getattr(look, "build", None) or LOOKS[look.type])
+    except ImportError as error:
+        raise Unusable(
+            f"the look `type: {look.type}` cannot be built in this Blender: {error}\n"
+            "  fix: let what builds it import bpy and the standard library alone, or leave out render.blender"
+        ) from None

@@ -46,11 +46,6 @@ def _refuse_settings(spec: SimulationSpec) -> None:
     if spec.fluid is not None and spec.fluid.method == "dfsph_jacobi":
         _refuse_what_jacobi_does_not_move(spec)
     for name, probe in spec.probes.items():
-        if probe.type in ("vertex", "pin_force"):
-            continue
-        if spec.fluid is None:
-            message = "this probe measures fluid, and the scene has none"
-            raise Refused(message, location=("probes", name), remedy="remove it")
         if probe.type == "force" and probe.region and _is_dynamic(spec, probe.body):
             raise Refused(
                 f"the force on a part of '{probe.body}' cannot be measured, which obeys forces",

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from scene.settings import Caution
+from sim.run.probes.probe import ProbeSettings
+from sim.run.probes.spec import BodyForce, Pressure, WaterHeight
 from sim.run.world import World
-from sim.spec import BodyForce, Pressure, Probe, WaterHeight
 
 FAR = 5.0
 """Beyond so many diagonals of the box around all that happens there is nothing."""
@@ -24,7 +25,7 @@ def idle_probes(worlds: list[World]) -> Iterator[Caution]:
             yield Caution(f"'{name}' {reasons[0]}, and will measure nothing: move it", ("probes", name, field))
 
 
-def _idle(probe: Probe, world: World) -> str:
+def _idle(probe: ProbeSettings, world: World) -> str:
     """Why a probe measures nothing in this world; empty where it may."""
     if isinstance(probe, BodyForce) and probe.region is not None:
         return _beside_its_body(probe, world)

@@ -1,11 +1,11 @@
-"""Cloth: masses and springs, stepped by one of three integrators.
+"""Cloth: masses and springs, stepped by one of several integrators.
 
 Only `sim.coupling` and `sim.run` import it.
 """
 
 from typing import Any
 
-from common.registry import load
+from common.registry import added, load
 
 MATERIALS = ("cloth",)
 """Of a scene, for this to be loaded."""
@@ -14,9 +14,9 @@ INTEGRATORS = {
     "implicit_euler": "sim.cloth.integrators.implicit_euler:ImplicitEuler",
     "xpbd": "sim.cloth.integrators.xpbd:XPBD",
 }
-"""By the name they have in a scene."""
+"""By the name they have in a scene, beside those of installed packages."""
 
 
 def load_integrator(name: str) -> type[Any]:
     """The class of an integrator; only the chosen one is imported."""
-    return load(INTEGRATORS[name])
+    return load(INTEGRATORS[name] if name in INTEGRATORS else added("integrators")[name].IMPLEMENTATION)

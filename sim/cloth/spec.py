@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
 
+from common.registry import added, names
+from scene.extra import Added, of_packages
 from scene.settings import Name, Settings
 from scene.units import (
     AngularVelocity,
@@ -22,6 +24,7 @@ from scene.units import (
     Unit,
     Velocity,
 )
+from sim.cloth import INTEGRATORS
 from sim.geometry.spec import ClothShape, Placement, Rotation
 
 Stiffness = Annotated[float, Gt(0), Le(1e12), Unit("N/m")]
@@ -164,7 +167,7 @@ class Cloth(Settings):
     """The cloth of the scene."""
 
     sheets: Annotated[dict[Name, ClothSheet], Field(min_length=1)]
-    integrator: Literal["symplectic_euler", "implicit_euler", "xpbd"] = "implicit_euler"
+    integrator: Literal[(*INTEGRATORS, *names("integrators"))] = "implicit_euler"
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.005
     """Longest time step of a scene with cloth [s]."""
     air: Air | None = None
@@ -172,3 +175,12 @@ class Cloth(Settings):
     implicit_euler: ImplicitEuler = ImplicitEuler()
     symplectic_euler: SymplecticEuler = SymplecticEuler()
     xpbd: XPBD = XPBD()
+    extra: Annotated[dict[Name, Added], of_packages("integrators")] = {}
+    """Settings of integrators that installed packages add, by their names."""
+
+    @property
+    def integrator_settings(self) -> Any:
+        """Those of the chosen integrator."""
+        if self.integrator in type(self).model_fields:
+            return getattr(self, self.integrator)
+        return self.extra.get(self.integrator) or added("integrators")[self.integrator]()

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
-from pydantic import BeforeValidator, Field, SerializeAsAny, ValidationError, WithJsonSchema, model_validator
+from pydantic import Field, model_validator
 
 from common.registry import added, names
-from scene.diagnostics.suggestions import suggestion
+from scene.extra import Added, of_packages
 from scene.settings import Name, Settings
 from scene.units import (
     AngularVelocity,
@@ -185,29 +185,6 @@ class ImplicitViscosity(Settings):
     """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
 
 
-Added = Annotated[Settings, SerializeAsAny(), WithJsonSchema({"type": "object"})]
-
-
-def _of_packages(values: Any) -> Any:
-    """Settings of forces and solvers as those who add them have declared them."""
-    if not isinstance(values, dict):
-        return values
-    known = added("forces") | added("solvers")
-    for name in values:
-        if name not in known:
-            fix = suggestion(name, known) if known else "no installed package adds any: remove it"
-            raise ValueError(f"no force or solver '{name}': {fix}")
-    return {name: _checked(name, known[name], value) for name, value in values.items()}
-
-
-def _checked(name: str, model: type[Settings], value: Any) -> Settings:
-    try:
-        return value if isinstance(value, Settings) else model.model_validate(value or {})
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        raise ValueError(f"{'.'.join(map(str, (name, *first['loc'])))}: {first['msg']}") from None
-
-
 class Fluid(Settings):
     """The liquid and how it is simulated."""
 
@@ -250,7 +227,7 @@ class Fluid(Settings):
     pcisph: Pcisph = Pcisph()
     iisph: Incompressible = Incompressible()
     dfsph: Dfsph = Dfsph()
-    extra: Annotated[dict[Name, Added], BeforeValidator(_of_packages)] = {}
+    extra: Annotated[dict[Name, Added], of_packages("forces", "solvers")] = {}
     """Settings of forces and solvers that installed packages add, by their names; a force acts where it is named."""
 
     @property

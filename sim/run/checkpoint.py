@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from common.files import whole
 from scene.settings import Refused
-from sim.run.probe_means import Gathered
+from sim.run.probes.means import Gathered
 from sim.run.state_head import Head
 from sim.spec import SimulationSpec
 

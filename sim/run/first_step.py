@@ -78,15 +78,16 @@ def refuse_cloth_steps(spec: SimulationSpec, stable: float = math.inf) -> None:
 
 def _explicit_step(world: World) -> float:
     """The longest explicit step of the cloth [s]; infinite where it takes none."""
-    settings = world.spec.cloth
-    if settings.integrator != "symplectic_euler":
-        return math.inf
+    from sim.cloth import load_integrator
     from sim.cloth.fabric.mesh import Elastic
-    from sim.cloth.integrators.symplectic_euler import longest_step
 
+    settings = world.spec.cloth
+    stable_step = getattr(load_integrator(settings.integrator), "stable_step", None)
+    if stable_step is None:
+        return math.inf
     held = np.concatenate([item.held for item in world.sheets])
     mesh = Elastic([item.sheet for item in world.sheets], [item.fabric for item in world.sheets], held)
-    return settings.symplectic_euler.share * longest_step(mesh)
+    return stable_step(mesh, settings)
 
 
 def refuse_jumps(item: PlacedSheet, time: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from common.ply import FLUID_POINT, write_mesh, write_points
 from sim.cloth.spec import Cloth
 from sim.geometry.solids import vertex_colors
-from sim.run.probes import COLUMNS as PROBE_COLUMNS
+from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
 from sim.spec import SimulationSpec
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from sim.cloth import INTEGRATORS
 from sim.run.world import Counts
 from sim.spec import SimulationSpec
 
@@ -70,12 +71,16 @@ def _of_fluid(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterato
 
 
 def _of_cloth(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterator[str]:
-    settings = spec.cloth.implicit_euler
+    cloth, settings = spec.cloth, spec.cloth.implicit_euler
     if done["cloth_capped"] > MANY * work.steps:
+        cap = f"cloth.implicit_euler.max_newton ({settings.max_newton}) or max_iterations ({settings.max_iterations})"
+        error = "cloth.implicit_euler.velocity_error and force_error"
+        if cloth.integrator not in INTEGRATORS:
+            cap, error = "its cap", f"cloth.extra.{cloth.integrator}"
         yield _capped(
             "the solver of the cloth",
-            f"cloth.implicit_euler.max_newton ({settings.max_newton}) or max_iterations ({settings.max_iterations})",
-            "cloth.implicit_euler.velocity_error and force_error",
+            cap,
+            error,
             "cloth_capped",
             "shorten steps by cloth.max_step",
         )

@@ -27,7 +27,7 @@ from sim.run.failure import (
 )
 from sim.run.first_step import refuse_cloth_steps
 from sim.run.output import Output
-from sim.run.probes import Probes
+from sim.run.probes.sampling import Probes
 from sim.run.world import Counts, World
 from sim.spec import Event, SimulationSpec
 

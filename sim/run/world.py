@@ -14,7 +14,7 @@ import numpy as np
 from scene.settings import Refused
 from sim.bodies.obstacles import find_obstacles
 from sim.run.bounds import action_bounds
-from sim.spec import Pressure, SimulationSpec
+from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.bodies.movement import Movement
@@ -186,7 +186,7 @@ class World:
             fastest=self.fastest,
             floor=self.floor,
             depth=self.depth,
-            probed=any(isinstance(probe, Pressure) for probe in self.spec.probes.values()),
+            probed=any(probe.PRESSURES for probe in self.spec.probes.values()),
         )
         self._aim(time)
         self.fluid.system.boundary.move()
@@ -314,9 +314,8 @@ class World:
                 return "rigid.max_step", "raise it"
             case "cloth step":
                 return "cloth.max_step", "raise it"
-            case "cloth stiffness":
-                remedy = "use cloth.integrator: implicit_euler, a lower stiffness, or a larger spacing"
-                return f"the stiffness of the cloth (explicit steps of {self.cloth.integrator.stable:.2g} s)", remedy
+            case term if self.cloth and term in self.cloth.integrator.limits():
+                return self.cloth.integrator.limiting_term(term)
             case "force":
                 return f"the force on the particles ({measure.a_max:.3g} m/s^2)", "use weaker forces"
             case "pressure":

@@ -4,87 +4,26 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
+from plyfile import PlyData
 
-from tests.particles import read_frame, velocities
+from tests.particles import positions, read_frame, read_table, velocities
 
 ROOT = Path(__file__).resolve().parents[2]
-ENTRY_POINTS = """\
-[tidemill.forces]
-wind = outside.settings:Wind
-[tidemill.solvers]
-mine = outside.settings:Mine
-[tidemill.shapes]
-cone = outside.settings:Cone
-[tidemill.looks]
-neon = outside.settings:Neon
-"""
-SETTINGS = '''\
-from typing import ClassVar, Literal
-from scene.settings import Settings
-from scene.units import PositiveLength
-
-class Wind(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.force:Wind"
-    acceleration: tuple[float, float, float]
-
-class Mine(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.solver:Mine"
-    density_error: float = 1e-3
-    min_iterations: int = 2
-    max_iterations: int = 100
-
-class Cone(Settings):
-    """A cone on its base, its axis along y."""
-    IMPLEMENTATION: ClassVar[str] = "outside.shape:triangles"
-    type: Literal["cone"]
-    radius: PositiveLength
-    height: PositiveLength
-
-class Neon(Settings):
-    IMPLEMENTATION: ClassVar[str] = "outside.look:build"
-    type: Literal["neon"]
-    strength: float = 1.0
-'''
-FORCE = """\
-import taichi as ti
-from sim.device.arrays import Vec4Array, vec3
-from sim.fluid.forces.force import Force
-
-class Wind(Force):
-    def accelerate(self):
-        system = self.system
-        blow(system.count, vec3(*system.spec.extra["wind"].acceleration), system.particles.acceleration)
-
-@ti.kernel
-def blow(count: ti.i32, more: vec3, acceleration: Vec4Array):
-    for i in range(count):
-        acceleration[i].xyz += more
-"""
-SOLVER = "from sim.fluid.pressure.iisph import Iisph\n\nclass Mine(Iisph):\n    pass\n"
-SHAPE = """\
-import trimesh
-
-def triangles(shape):
-    cone = trimesh.creation.cone(shape.radius, shape.height, sections=64)
-    cone.apply_transform([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-    return cone
-"""
-LOOK = """\
-def build(graph, look, size):
-    return graph.node("Emission", {"Color": (1.0, 0.0, 1.0, 1.0), "Strength": look.strength}).outputs[0], None
-"""
-FILES = {"__init__": "", "settings": SETTINGS, "force": FORCE, "solver": SOLVER, "shape": SHAPE, "look": LOOK}
+OUTSIDE = ROOT / "tests" / "outside"
 DROP = {
     "bodies": {"drop": {"shape": {"type": "sphere", "radius": 0.06}, "position": [0, 1, 0]}},
     "particle_radius": 0.02,
 }
+TOWEL = {"shape": {"type": "sheet", "size": [0.4, 0.2]}, "spacing": 0.05, "position": [0, 1, 0]}
 
 
 class Package:
@@ -92,20 +31,17 @@ class Package:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        for name, text in FILES.items():
-            self.write(f"outside/{name}.py", text)
-        self.write("outside-1.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
-        self.write("outside-1.0.dist-info/entry_points.txt", ENTRY_POINTS)
+        shutil.copytree(OUTSIDE, folder / "outside", ignore=shutil.ignore_patterns("*.txt", "__pycache__"))
+        about = folder / "outside-1.0.dist-info"
+        about.mkdir()
+        (about / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
+        shutil.copy(OUTSIDE / "entry_points.txt", about)
 
-    def write(self, name: str, text: str) -> None:
-        (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (self.folder / name).write_text(text)
-
-    def python(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+    def python(self, *arguments: Any, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
         path = os.pathsep.join([str(ROOT), str(self.folder)])
         environment = {**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"}
         command = [sys.executable, *map(str, arguments)]
-        return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+        return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True)
 
     def simulate(self, out: Path, frames: int, **scene) -> Path:
         options = ["--folder", out.parent, "--frames", f"0:{frames}", "--out", out, "--arch", "cpu", "--threads", "1"]
@@ -146,6 +82,7 @@ def test_a_shape_is_a_solid(package, tmp_path):
     """m = rho pi r^2 h / 3, within the share (2 pi / 64)^2 / 6 of the circle that 64 sides leave."""
     code = f"""
 from pathlib import Path
+from typing import Any
 from sim.spec import SimulationSpec
 from sim.geometry.shapes import place
 spec = SimulationSpec.model_validate({{"fps": 24, "rigid": {{"bodies": {{"cone":
@@ -161,18 +98,89 @@ print(place(body.shape, body, Path({str(tmp_path)!r})).mass_properties(500.0).ma
     assert (out / "body_cone.ply").exists()
 
 
-def test_a_look_is_drawn(package, tmp_path):
+@pytest.fixture
+def blender(tmp_path) -> Path:
+    """What stands in for an installed one: a Python that knows bpy and NumPy, and nothing else of site-packages."""
+    known = tmp_path / "known"
+    known.mkdir()
+    for name in ("bpy", "numpy", "numpy.libs"):
+        place = Path(np.__file__).parents[1] / name
+        if place.exists():
+            (known / name).symlink_to(place)
+    start = tmp_path / "start.py"
+    start.write_text(f"""
+import runpy, sys
+sys.path.append({str(known)!r})
+runpy.run_path(sys.argv[sys.argv.index("--python") + 1], run_name="__main__")
+""")
+    program = tmp_path / "blender"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -I -S {start} "$@"\n')
+    program.chmod(0o755)
+    return program
+
+
+@pytest.mark.parametrize("installed", [False, True])
+def test_a_look_is_drawn(package, tmp_path, blender, installed):
     """A ball that shines in magenta, before black."""
     ball = {"shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0.5, 0]}
     simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
     settings = {"resolution": [48, 48], "samples": 4, "view_transform": "Standard", "ground": {"enabled": False}}
     settings |= {"materials": {"ball": {"type": "neon"}}, "background": {"type": "plain", "color": "#000000"}}
+    settings |= {"blender": str(blender)} if installed else {}
     options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
     done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "frames" / "00000.png") as picture:
         red, green, blue = np.asarray(picture.convert("RGB"))[24, 24]
     assert red > 240 and blue > 240 and green < 15
+
+
+def test_a_look_that_needs_what_blender_has_not_is_refused(package, tmp_path, blender):
+    look = package.folder / "outside" / "look.py"
+    look.write_text(f"import pydantic\n\n{look.read_text()}")
+    ball = {"shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0.5, 0]}
+    simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
+    settings = {"resolution": [16, 16], "samples": 1, "blender": str(blender), "materials": {"ball": {"type": "neon"}}}
+    options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
+    done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
+    assert done.returncode == 2
+    assert "the look `type: neon` cannot be built in this Blender: No module named 'pydantic'" in done.stderr
+    assert "leave out render.blender" in done.stderr
+
+
+def test_an_integrator_steps(package, tmp_path):
+    """One that inherits all that it does gives the same bytes."""
+    frames = []
+    for name in ("symplectic_euler", "same"):
+        cloth = {"sheets": {"towel": TOWEL | {"pins": ["left"]}}, "integrator": name}
+        folder = package.simulate(tmp_path / name, 3, fps=50, cloth=cloth)
+        frames.append((folder / "cloth_towel_00003.ply").read_bytes())
+    assert frames[0] == frames[1]
+
+
+def stable_step(sheet: dict[str, Any]) -> float:
+    """Of explicit methods [s]."""
+    from sim.cloth.fabric.mesh import Elastic
+    from sim.cloth.integrators.symplectic_euler import longest_step
+    from sim.cloth.model import find_sheets
+    from sim.cloth.spec import Cloth
+
+    (item,) = find_sheets(Cloth.model_validate({"sheets": {"towel": sheet}}), Path())
+    return longest_step(Elastic([item.sheet], [item.fabric], item.held))
+
+
+def test_an_integrator_of_its_own_has_settings_of_its_own(package, tmp_path):
+    """The middle of a sheet that swings in itself falls by g t^2 / 2. Velocity Verlet keeps the energy but for about
+    (w dt)^2 / 4 of what is elastic, where 2 / w is the longest stable step."""
+    sheet = TOWEL | {"rest_scale": 1.02, "damping": 0, "bend_damping": 0, "bend_stiffness": 0}
+    cloth = {"sheets": {"towel": sheet}, "integrator": "verlet", "extra": {"verlet": {"substeps": 50}}}
+    out = package.simulate(tmp_path / "out", 5, fps=50, cloth=cloth)
+    vertices = PlyData.read(out / "cloth_towel_00005.ply")["vertex"]
+    assert np.mean(vertices["y"]) == pytest.approx(1 - 9.81 * 0.1**2 / 2, abs=1e-6)
+    steps = read_table(out / "steps.csv")
+    assert set(steps["cloth_substeps"]) == {50}
+    parts = [steps[f"cloth_{kind}_energy"] for kind in ("kinetic", "potential", "elastic")]
+    assert np.ptp(sum(parts)) < (steps["dt"].max() / 50 / stable_step(sheet)) ** 2 * parts[2].max()
 
 
 @pytest.mark.parametrize(
@@ -190,13 +198,149 @@ def test_what_nobody_adds_or_takes_is_refused(package, tmp_path, extra, message)
     assert message in done.stderr
 
 
+def test_steps_that_an_integrator_allows_are_refused_where_they_are_too_short(package, tmp_path):
+    cloth = {"sheets": {"towel": TOWEL}, "integrator": "verlet", "extra": {"verlet": {"longest": 1e-9}}}
+    options = ["--folder", tmp_path, "--frames", "0:0", "--out", tmp_path / "out"]
+    done = package.python("-m", "sim.segment", "--spec", json.dumps({"fps": 24, "cloth": cloth}), *options)
+    assert done.returncode == 2
+    assert "the patience of this integrator allows steps of 1e-09 s only" in done.stderr
+    assert "raise cloth.extra.verlet.longest" in done.stderr
+
+
+def probed(folder: Path, probe: str) -> np.ndarray:
+    """Rows of one probe, as a record array."""
+    rows = read_table(folder / "probes.csv")
+    return rows[rows["probe"] == probe]
+
+
+def test_a_probe_of_the_fluid_measures(package, tmp_path):
+    """L = m x cross v about a place of its own: of what falls freely from rest x beside it, -m x g t about z; rows have
+    its own rate, name and unit."""
+    from sim.fluid.kernel import particle_mass
+
+    probes = {"spin": {"type": "angular_momentum", "about": [-0.5, 0, 0], "rate": 100}}
+    out = package.simulate(tmp_path / "out", 2, fps=50, fluid=DROP | {"solver": "dfsph"}, probes=probes)
+    rows = probed(out, "spin")
+    assert [str(unit) for unit in rows["unit"]] == ["kg m^2/s"] * 15
+    turning = rows[rows["quantity"] == "angular_momentum_z"]
+    mass = particle_mass(0.04, 0.08, 1000) * len(read_frame(out, 2))
+    beside = positions(read_frame(out, 0))[:, 0].mean() + 0.5
+    assert turning["value"] == pytest.approx(-mass * beside * 9.81 * turning["time"], abs=1e-5 * mass)
+
+
+def test_a_probe_of_cloth_measures(package, tmp_path):
+    """y - g t^2 / 2 of a sheet that falls flat."""
+    scene = {"cloth": {"sheets": {"towel": TOWEL}}, "probes": {"top": {"type": "highest", "sheet": "towel"}}}
+    rows = probed(package.simulate(tmp_path / "out", 3, fps=50, **scene), "top")
+    assert len(rows) == 4
+    assert rows["value"] == pytest.approx(1 - 9.81 * rows["time"] ** 2 / 2, abs=1e-8)
+
+
+@pytest.fixture
+def drop(package, tmp_path) -> Path:
+    """A folder with a scene and what a run of it has left."""
+    (tmp_path / "scenes").mkdir()
+    scene = {"duration": 0.04, "fps": 50, "fluid": DROP | {"solver": "dfsph"}}
+    (tmp_path / "scenes" / "drop.yaml").write_text(json.dumps(scene))
+    done = package.python("-m", "sim", "run", "scenes/drop.yaml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    return tmp_path
+
+
+def exported(package: Package, folder: Path, out: str, *options: str) -> subprocess.CompletedProcess[str]:
+    return package.python("-m", "workflow.export", "drop", "--simulation", "out", "--out", out, *options, cwd=folder)
+
+
+def test_a_format_is_written_and_read_back(package, drop):
+    """All that its columns ask for of the frames asked for, as the files of particles have it."""
+    done = exported(package, drop, "drop.csv", "--frames", "1:2", "--spec", '{"columns": ["y", "id"]}')
+    assert done.returncode == 0, done.stderr
+    table = read_table(drop / "drop.csv")
+    assert table.dtype.names == ("frame", "y", "id")
+    for frame in (1, 2):
+        points, rows = read_frame(drop / "out", frame), table[table["frame"] == frame]
+        assert np.array_equal(rows["id"], points["id"])
+        assert np.array_equal(rows["y"].astype(np.float32), points["y"])
+    refused = {
+        "drop.cvs": "no format 'cvs'. did you mean 'csv'?",
+        "drop.usdc": "the surface of the water is missing. make the film first",
+    }
+    for out, message in refused.items():
+        done = exported(package, drop, out)
+        assert (done.returncode, (drop / out).exists()) == (2, False)
+        assert message in done.stderr
+    done = exported(package, drop, "other.csv", "--spec", '{"columns": ["mass"]}')
+    assert (done.returncode, (drop / "other.csv").exists()) == (2, False)
+    assert "columns.0: Input should be 'x', 'y'" in done.stderr
+
+
+def cloth(**settings: Any) -> dict[str, Any]:
+    return {"cloth": {"sheets": {"towel": TOWEL}} | settings}
+
+
 @pytest.mark.parametrize(
-    ("file", "stages"), [("force", {"simulate"}), ("look", {"render"}), ("settings", {"simulate", "render"})]
+    ("scene", "field", "fix"),
+    [
+        ({"fluid": DROP | {"extra": {"wnd": {}}}}, "fluid.extra: no force or solver 'wnd'", "did you mean 'wind'?"),
+        (cloth(extra={"vrlet": {}}), "cloth.extra: no integrator 'vrlet'", "did you mean 'verlet'?"),
+        (cloth(extra={"verlet": {"longest": -1}}), "cloth.extra: verlet.longest", "should be greater than 0"),
+        (cloth(integrator="vrlet"), "cloth.integrator", "did you mean 'verlet'?"),
+        ({"fluid": DROP} | cloth(integrator="verlet"), "cloth.integrator", "use cloth.integrator: implicit_euler"),
+        ({"fluid": DROP, "probes": {"spin": {"type": "angular"}}}, "unknown type 'angular'", "'angular_momentum'"),
+        (
+            {"fluid": DROP, "probes": {"spin": {"type": "angular_momentum", "about": 3}}},
+            "probes.spin.about",
+            "write a list",
+        ),
+        (cloth() | {"probes": {"top": {"type": "highest", "sheet": "flag"}}}, "'flag' is no sheet of cloth", "towel"),
+        (
+            cloth() | {"probes": {"spin": {"type": "angular_momentum"}}},
+            "measures fluid, and the scene has none",
+            "remove it",
+        ),
+        (
+            {"cloth": {"sheets": {"towel": TOWEL | {"stretch_stiffness": 1e12}}, "integrator": "same"}},
+            "cloth.integrator: the stiffness of the cloth allows explicit steps of",
+            "use implicit_euler",
+        ),
+    ],
 )
-def test_an_edit_of_the_package_repeats_the_stages_that_use_it(package, file, stages):
-    code = "from workflow.plan.additions import digest; print(digest('simulate'), digest('render'), digest('film'))"
-    before = package.python("-c", code).stdout.split()
-    package.write(f"outside/{file}.py", FILES[file] + "\n")
-    after = package.python("-c", code).stdout.split()
-    changed = {stage for stage, one, other in zip(("simulate", "render"), before, after, strict=True) if one != other}
-    assert changed == stages
+def test_check_names_field_and_fix(package, tmp_path, scene, field, fix):
+    (tmp_path / "scene.yaml").write_text(json.dumps({"duration": 1} | scene))
+    done = package.python("-m", "sim", "check", tmp_path / "scene.yaml")
+    assert done.returncode == 2
+    assert field in done.stderr and fix in done.stderr.partition("fix: ")[2]
+
+
+@pytest.mark.parametrize(
+    ("file", "jobs"),
+    [
+        ("force", {"fluid"}),
+        ("solver", {"fluid"}),
+        ("integrator", {"cloth"}),
+        ("probe", {"fluid", "cloth", "rigid"}),
+        ("shape", {"fluid", "cloth", "rigid"}),
+        ("cone", {"fluid", "cloth", "rigid"}),
+        ("look", {"render"}),
+        ("format", set()),
+        ("settings", {"fluid", "cloth", "rigid", "render"}),
+    ],
+)
+def test_an_edit_of_the_package_repeats_the_jobs_that_use_it(package, file, jobs):
+    before = digests(package)
+    assert set(before) == {"fluid", "cloth", "rigid", "render", "reconstruct", "film"}
+    with (package.folder / "outside" / f"{file}.py").open("a") as edited:
+        edited.write("\n")
+    after = digests(package)
+    assert {job for job in before if before[job] != after[job]} == jobs
+
+
+def digests(package: Package) -> dict[str, str]:
+    """Of simulations by their material, and of the other stages."""
+    code = """
+import json
+from workflow.plan.additions import digest
+found = {material: digest("simulate", frozenset({material})) for material in ("fluid", "cloth", "rigid")}
+print(json.dumps(found | {stage: digest(stage, frozenset()) for stage in ("render", "reconstruct", "film")}))
+"""
+    return json.loads(package.python("-c", code).stdout)

@@ -224,7 +224,7 @@ class Plan:
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)
         if key not in self._digests:
-            beside = additions.digest(stage)
+            beside = additions.digest(stage, materials)
             own = sources.digest(ENTRY[stage], self.root, materials)
             self._digests[key] = f"{own[:32]} and {beside[:32]}" if beside else own[:32]
         return f"code {self._digests[key]}"

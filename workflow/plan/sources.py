@@ -23,16 +23,19 @@ _NAME = re.compile(r"\w+")
 _NAME_AND_ALIAS = re.compile(r"(\w+)(?:\s+as\s+\w+)?")
 
 
-def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> list[Path]:
+def closure(
+    entry: str, root: Path, materials: frozenset[str] = MATERIALS, packages: tuple[str, ...] = PACKAGES
+) -> list[Path]:
     """Source files below `root` that the module `entry` imports, directly or not, itself included; sorted.
 
-    Raises FileNotFoundError where there is no such module.
+    `packages`: those that count; names in strings are of ours alone. Raises FileNotFoundError where there is no such
+    module.
     """
     start = _find(entry, root)
     if start is None:
         raise FileNotFoundError(f"there is no module {entry} in {root}")
-    if start.name == "__init__.py":
-        start = start.with_name("__main__.py")
+    if (command := start.with_name("__main__.py")).is_file() and start.name == "__init__.py":
+        start = command
     found: set[Path] = set()
     known: set[str] = set()
     waiting = [start, *_packages(entry, root)]
@@ -41,7 +44,7 @@ def closure(entry: str, root: Path, materials: frozenset[str] = MATERIALS) -> li
         if file in found:
             continue
         found.add(file)
-        for module in _imports(file, root, file.stat().st_mtime_ns):
+        for module in _imports(file, root, packages, file.stat().st_mtime_ns):
             if module not in known and _counts(module, root, materials):
                 known.add(module)
                 target = _find(module, root)
@@ -77,20 +80,21 @@ def _declared(file: Path, _changed: int) -> frozenset[str] | None:
 
 
 @functools.lru_cache(maxsize=4096)
-def _imports(file: Path, root: Path, _changed: int) -> tuple[str, ...]:
+def _imports(file: Path, root: Path, packages: tuple[str, ...], _changed: int) -> tuple[str, ...]:
     text = file.read_text()
     package = file.parent.relative_to(root).parts
-    return tuple(dict.fromkeys([*_imported(text, package), *_NAME_IN_STRING.findall(text)]))
+    named = _NAME_IN_STRING.findall(text) if packages == PACKAGES else ()
+    return tuple(dict.fromkeys([*_imported(text, package, packages), *named]))
 
 
-def _imported(text: str, package: tuple[str, ...]) -> Iterator[str]:
+def _imported(text: str, package: tuple[str, ...], packages: tuple[str, ...]) -> Iterator[str]:
     """Names that a source imports, by its lines: parsing all of them takes longer than planning a film."""
     text = _COMMENT.sub("", text)
-    yield from (module for module in _IMPORT.findall(text) if module.partition(".")[0] in PACKAGES)
+    yield from (module for module in _IMPORT.findall(text) if module.partition(".")[0] in packages)
     for dots, name, members in _FROM.findall(text):
         base = package[: len(package) - len(dots) + 1] if dots else ()
         module = ".".join([*base, *([name] if name else [])])
-        if module.partition(".")[0] in PACKAGES:
+        if module.partition(".")[0] in packages:
             yield module
             yield from (f"{module}.{member}" for member in _NAME_AND_ALIAS.findall(members))
 

@@ -62,7 +62,7 @@ class ImplicitEuler:
         self.mesh = mesh
         self.collisions = collisions
         self.gravity = vec3(*gravity)
-        self._newton = Newton(mesh, gravity, settings.implicit_euler, collisions)
+        self._newton = Newton(mesh, gravity, settings.integrator_settings, collisions)
         self.trial = self._newton.trial
         self.past = BackwardDifferences(mesh.count)
         self._start = mesh.points.position

@@ -26,16 +26,26 @@ MOST_SUBSTEPS = 20_000
 class SymplecticEuler(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
-        self.stable = settings.symplectic_euler.share * longest_step(mesh)
+        self.stable = self.stable_step(mesh, settings)
         self._workspace = Workspace(
             pull=vectors(np.zeros((mesh.springs, 3))),
             bending=numbers(np.zeros(mesh.hinges)),
             leaning=vectors(np.zeros((4 * mesh.hinges, 3))),
         )
 
+    @staticmethod
+    def stable_step(mesh: Elastic, settings: Cloth) -> float:
+        """The longest step [s] that it takes; known before anything is built that steps."""
+        return settings.integrator_settings.share * longest_step(mesh)
+
     def limits(self) -> dict[str, float]:
         """Largest steps [s] by what limits them."""
         return {"cloth stiffness": self.stable * MOST_SUBSTEPS}
+
+    def limiting_term(self, term: str) -> tuple[str, str]:
+        """What one of `limits` comes from, and what would help."""
+        remedy = "use cloth.integrator: implicit_euler, a lower stiffness, or a larger spacing"
+        return f"the stiffness of the cloth (explicit steps of {self.stable:.2g} s)", remedy
 
     def substeps(self, dt: float) -> int:
         return max(1, math.ceil(dt / self.stable))

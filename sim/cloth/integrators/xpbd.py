@@ -23,7 +23,7 @@ from sim.cloth.spec import Cloth
 class XPBD(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
-        self.settings = settings.xpbd
+        self.settings = settings.integrator_settings
         self._guess = Guess(
             pulled=numbers(np.zeros(mesh.springs)),
             bent=numbers(np.zeros(mesh.hinges)),

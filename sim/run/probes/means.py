@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-Row = tuple[str, float, str]
-"""Quantity, value and unit."""
+from sim.run.probes.probe import Row
 
 
 @dataclass

@@ -1,0 +1,3 @@
+"""Triangles of a cone."""
+
+SECTIONS = 64

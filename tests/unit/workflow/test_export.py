@@ -1,0 +1,63 @@
+"""What `python -m workflow.export` writes of what a run has left; formats of packages are in test_additions.py."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workflow.formats import FORMATS
+
+ROOT = Path(__file__).resolve().parents[3]
+BALL = {"shape": {"type": "sphere", "radius": 0.1}, "position": [0, 1, 0], "motion": "dynamic"}
+
+
+def python(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        [sys.executable, "-m", *arguments], cwd=folder, env=environment, capture_output=True, text=True
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """With a scene of a ball that falls, and two frames of it."""
+    made = tmp_path_factory.mktemp("export")
+    (made / "scenes").mkdir()
+    scene = {"duration": 0.04, "fps": 50, "rigid": {"bodies": {"ball": BALL}}}
+    (made / "scenes" / "ball.yaml").write_text(json.dumps(scene))
+    done = python(made, "sim", "run", "scenes/ball.yaml", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    return made
+
+
+def test_an_animation_is_written(folder):
+    done = python(folder, "workflow.export", "ball", "--simulation", "out", "--out", "ball.usda")
+    assert done.returncode == 0, done.stderr
+    text = (folder / "ball.usda").read_text()
+    assert text.startswith("#usda") and "ball" in text
+    assert "endTimeCode = 2" in text
+
+
+def test_every_format_is_offered_for_a_name_that_is_none(folder):
+    done = python(folder, "workflow.export", "ball", "--simulation", "out", "--out", "ball.fbx")
+    assert done.returncode == 2
+    assert all(name in done.stderr for name in FORMATS)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--out", "ball.usda"], "is missing. make the film first"),
+        (["--out", "ball.usda", "--simulation", "nowhere"], "nowhere is missing. make the film first"),
+        (["--out", "ball.usda", "--simulation", "out", "--spec", '{"scale": 2}'], "scale: Extra inputs"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(folder, options, message):
+    done = python(folder, "workflow.export", "ball", *options)
+    assert done.returncode == 2
+    assert message in done.stderr

@@ -1,0 +1,23 @@
+"""Animations by Blender: USD, Alembic and .blend."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from workflow.formats.format import Made
+from workflow.formats.spec import Animation
+
+
+def write(settings: Animation, made: Made, out: Path) -> int:
+    """Let the render stage write it; returns the exit status."""
+    scene = made.scene
+    with tempfile.TemporaryDirectory(prefix="export-") as scratch:
+        command = [sys.executable, "-m", "render", "--spec", scene.render.model_dump_json(exclude_none=True)]
+        command += ["--frames", str(made.frames), "--fps", repr(scene.simulation.fps)]
+        command += ["--simulation", str(made.simulation)]
+        command += ["--surface", str(made.surface)] if made.surface else []
+        command += ["--out", scratch, "--export", str(out)]
+        return subprocess.run(command, check=False).returncode
