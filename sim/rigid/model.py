@@ -127,7 +127,7 @@ class RigidModel:
         """Of the fluid on bodies, about their centres of mass [N] and [N m]; whoever couples them keeps them."""
         self.fluid_hold = np.zeros((self.count, 6))
         """Both, of fluid that bodies hold along their surfaces."""
-        self.lag = np.zeros((self.count, 3))
+        self.path_deviation = np.zeros((self.count, 3))
         """By how much bodies are off where their velocities at the end of the step would have taken them [m]."""
         self.late = np.zeros(self.count)
         """By how much velocities and momenta are those of an earlier time [s]."""
@@ -197,7 +197,7 @@ class RigidModel:
         for values, before in zip(self._moving, kept, strict=True):
             values[:] = before
         self._contacts = 0
-        self.lag[:] = 0.0
+        self.path_deviation[:] = 0.0
         return rows
 
     @property
@@ -316,7 +316,7 @@ class RigidModel:
             self._motion,
             self.late,
         )
-        self.lag = dt * self.velocity - (self.position - self._began)
+        self.path_deviation = dt * self.velocity - (self.position - self._began)
 
     def _steer(self, dt: float, movements: Mapping[int, Movement]) -> None:
         """Velocities that take bodies to where they are to be."""
