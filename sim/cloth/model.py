@@ -120,7 +120,7 @@ class ClothModel:
     def _collisions(self) -> Collisions:
         counts = [len(item.fabric.points) for item in self.sheets]
         half = np.repeat([item.sheet.thickness / 2 for item in self.sheets], counts)
-        friction = np.repeat([item.sheet.grip for item in self.sheets], counts, axis=0)
+        friction = np.repeat([item.sheet.friction_coefficients for item in self.sheets], counts, axis=0)
         of_solids = np.column_stack([self.solids.kinetic_friction, self.solids.static_friction])
         own = self.mesh.count
         return Collisions(

@@ -35,11 +35,13 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         made.append(mesh.vertices)
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
-        friction = _surface(spec, item.name).grip
+        friction = _surface(spec, item.name).friction_coefficients
         kinetic.append(np.full(len(mesh.vertices), friction[0]))
         static.append(np.full(len(mesh.vertices), friction[1]))
         body.append(np.full(len(mesh.vertices), index))
-    walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
+    walls = [
+        Wall(wall.normal, wall.offset, *_surface(spec, wall.body).friction_coefficients) for wall in obstacles.walls
+    ]
     parts = (np.concatenate(part) for part in (made, triangles, kinetic, static, body))
     names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
     filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
