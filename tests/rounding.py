@@ -93,7 +93,7 @@ def _displaced(seed: int) -> Iterator[None]:
 
     def placed(part: RigidModel, state: Any) -> None:
         place(part, state)
-        new = part.free & [body.name not in state.names for body in part.bodies]
+        new = part.dynamic & [body.name not in state.names for body in part.bodies]
         part.position[new] += _shifts(part.position[new], part.size[new, None], seed)
 
     with (

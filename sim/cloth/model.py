@@ -11,15 +11,15 @@ from scene.settings import Refused
 from sim.cloth import load_integrator
 from sim.cloth.contact.applied_forces import pulls
 from sim.cloth.contact.collision import Collisions
-from sim.cloth.contact.dynamic_solids import Bodies, LooseBodies
+from sim.cloth.contact.detection.surfaces import Surface
+from sim.cloth.contact.dynamic_solids import Bodies, BodyCoupling
 from sim.cloth.contact.solids import Solids
-from sim.cloth.contact.surfaces import Surface
 from sim.cloth.fabric.arrays import clear, integers, vectors
 from sim.cloth.fabric.energy import ClothMeasure, Meter
 from sim.cloth.fabric.fabric import Fabric, weave
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.fabric.pin_places import put
-from sim.cloth.fabric.pins import Lead, find_pins, refuse_jump
+from sim.cloth.fabric.pins import MovedPoints, find_pins, refuse_jump
 from sim.cloth.fabric.state import ClothState
 from sim.cloth.spec import Cloth, ClothSheet
 
@@ -32,7 +32,8 @@ class PlacedSheet:
     sheet: ClothSheet
     fabric: Fabric
     held: np.ndarray
-    leads: list[Lead]
+    pinned: list[MovedPoints]
+    """Those that pins move."""
     moved: np.ndarray | None = None
     """Where its points begin instead, since it is placed through something [m], shape [n, 3]."""
 
@@ -43,8 +44,8 @@ class PlacedSheet:
 
     @property
     def bounds(self) -> np.ndarray:
-        """Box around it as placed and around where it is led [m], shape [2, 3]."""
-        places = [self.begins, *(lead.motion.sweep(lead.placed) for lead in self.leads)]
+        """Box around it as placed and around where pins move it [m], shape [2, 3]."""
+        places = [self.begins, *(part.motion.sweep(part.placed) for part in self.pinned)]
         return np.array(
             [np.min([p.min(axis=0) for p in places], axis=0), np.max([p.max(axis=0) for p in places], axis=0)]
         )
@@ -79,7 +80,9 @@ class ClothModel:
         self.settings = settings
         starts = np.cumsum([0] + [len(item.fabric.points) for item in sheets])
         self._rows = {item.name: slice(a, b) for item, a, b in zip(sheets, starts, starts[1:], strict=False)}
-        self._leads = [lead.shifted(start) for item, start in zip(sheets, starts, strict=False) for lead in item.leads]
+        self._pinned = [
+            part.shifted(start) for item, start in zip(sheets, starts, strict=False) for part in item.pinned
+        ]
         position, velocity = (
             np.concatenate(parts) for parts in zip(*(_begin(item, state) for item in sheets), strict=True)
         )
@@ -90,19 +93,21 @@ class ClothModel:
             velocity,
             np.concatenate([item.held for item in sheets]),
             settings.air,
+            gravity,
             solids.points,
         )
         self.solids = solids
         self._gravity = np.asarray(gravity)
         self.collisions = self._collisions()
         if len(state.touch_key):
-            limit, press, grip = state.touch_force[:, 0], state.touch_force[:, 1], state.touch_force[:, 2:]
-            self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, limit, press, grip)
+            limit, normal_force, friction_force = np.split(state.touch_force, [1, 2], axis=1)
+            forces = limit[:, 0], normal_force[:, 0], friction_force
+            self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, *forces)
         self._refuse_jumps(position, time)
         self.integrator = load_integrator(settings.integrator)(self.mesh, gravity, settings, self.collisions)
         if self.integrator.past and len(state.past_position) == self.mesh.count:
             self.integrator.past.recall(state.past_position, state.past_velocity, state.past_step)
-        self._meter = Meter(self.mesh, gravity)
+        self._meter = Meter(self.mesh)
         self.fluid_force = vectors(_fluid_force(sheets, state))
         """On points, in the last step [N]."""
         self.stuck = 0
@@ -110,27 +115,27 @@ class ClothModel:
         self.unsolved = False
         """Whether the integrator ended the last step far from a solution."""
         self._solid_rows = integers(np.arange(self.mesh.count, self.mesh.total))
-        self._led = integers(np.concatenate([lead.points for lead in self._leads])) if self._leads else None
+        self._pinned_rows = integers(np.concatenate([np.zeros(0, int), *(part.points for part in self._pinned)]))
 
     def _collisions(self) -> Collisions:
         counts = [len(item.fabric.points) for item in self.sheets]
-        surfaces = [(item.sheet.thickness / 2, *item.sheet.grip) for item in self.sheets]
-        half, slide, hold = (np.repeat(values, counts) for values in zip(*surfaces, strict=True))
+        half = np.repeat([item.sheet.thickness / 2 for item in self.sheets], counts)
+        friction = np.repeat([item.sheet.friction_coefficients for item in self.sheets], counts, axis=0)
+        of_solids = np.column_stack([self.solids.kinetic_friction, self.solids.static_friction])
         own = self.mesh.count
         return Collisions(
             self.mesh,
             Surface.of(self.solids.triangles + own) if len(self.solids.triangles) else None,
             self.solids.walls,
             np.concatenate([half, np.zeros(len(self.solids.points))]),
-            np.concatenate([slide, self.solids.slide]),
-            np.concatenate([hold, self.solids.hold]),
-            LooseBodies(self._owner(), own),
+            np.concatenate([friction, of_solids]),
+            BodyCoupling(self._owner(), own),
             self.solids.made,
         )
 
     def _owner(self) -> np.ndarray:
         """Of points of solids, the row of their body among those that obey forces; -1 of others."""
-        rows = {body: row for row, body in enumerate(self.solids.loose)}
+        rows = {body: row for row, body in enumerate(self.solids.dynamic)}
         return np.array([rows.get(body, -1) for body in self.solids.body], int)
 
     def advance(
@@ -138,19 +143,21 @@ class ClothModel:
     ) -> dict[str, float]:
         """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
         tells."""
-        self.aim(dt, until, moved, bodies)
+        self.set_targets(dt, until, moved, bodies)
         return self.note(self.integrator.advance(dt))
 
-    def aim(self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None) -> None:
+    def set_targets(
+        self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None
+    ) -> None:
         """Say where held points are at the time `until` [s], after a step of dt [s], and points of solids, which are
         `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
         if moved is not None:
             put(len(moved), self._solid_rows, moved, self.mesh.place)
         if bodies is not None:
-            self.collisions.loose.aim(bodies, moved, dt)
-        if self._leads:
-            aims = np.concatenate([lead.at(until) for lead in self._leads])
-            put(len(aims), self._led, aims, self.mesh.place)
+            self.collisions.bodies.predict(bodies, moved, dt)
+        if self._pinned:
+            targets = np.concatenate([part.at(until) for part in self._pinned])
+            put(len(targets), self._pinned_rows, targets, self.mesh.place)
         self.mesh.air.update(self.mesh)
 
     def note(self, stats: dict[str, float]) -> dict[str, float]:
@@ -177,21 +184,21 @@ class ClothModel:
 
     def next_keyframe(self, time: float) -> float:
         """The first time after `time` [s] at which the velocity of a pin jumps; infinite where none does."""
-        return min((lead.motion.next_keyframe(time) for lead in self._leads), default=np.inf)
+        return min((part.motion.next_keyframe(time) for part in self._pinned), default=np.inf)
 
     def state(self) -> ClothState:
         """What a checkpoint keeps: points, contacts with their forces, and the force of the fluid."""
         counts = {item.name: len(item.fabric.points) for item in self.sheets}
         points = self.mesh.points
-        count, known = self.mesh.count, self.collisions.known
+        count, contacts = self.mesh.count, self.collisions.contacts
         return ClothState(
             counts,
             points.position.to_numpy()[:count],
             points.velocity.to_numpy()[:count],
-            known.key.copy(),
-            known.weight.copy(),
-            known.normal.copy(),
-            np.column_stack([known.limit, known.press, known.grip]),
+            contacts.key.copy(),
+            contacts.weight.copy(),
+            contacts.normal.copy(),
+            np.column_stack([contacts.limit, contacts.normal_force, contacts.friction_force]),
             self.fluid_force.to_numpy()[:count],
             *(self.integrator.past.arrays() if self.integrator.past else ()),
         )
@@ -215,10 +222,10 @@ class ClothModel:
         return self.mesh.bytes + self.integrator.bytes
 
     def _refuse_jumps(self, position: np.ndarray, time: float) -> None:
-        for lead in self._leads:
-            name = next(name for name, rows in self._rows.items() if rows.start <= lead.points[0] < rows.stop)
+        for part in self._pinned:
+            name = next(name for name, rows in self._rows.items() if rows.start <= part.points[0] < rows.stop)
             size = float(np.ptp(self.mesh.placed[self._rows[name]], axis=0).max())
-            refuse_jump(name, lead, position[lead.points], size, time)
+            refuse_jump(name, part, position[part.points], size, time)
 
 
 def _fluid_force(sheets: list[PlacedSheet], state: ClothState) -> np.ndarray:

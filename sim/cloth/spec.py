@@ -103,7 +103,7 @@ class ClothSheet(Placement):
     velocity: Velocity = (0.0, 0.0, 0.0)
 
     @property
-    def grip(self) -> tuple[float, float]:
+    def friction_coefficients(self) -> tuple[float, float]:
         """Coefficients of friction while sliding and at rest."""
         return self.friction, self.friction if self.static_friction is None else self.static_friction
 

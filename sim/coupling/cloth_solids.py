@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sim.bodies.obstacles import Obstacles
-from sim.cloth.contact.collision import Wall
 from sim.cloth.contact.dynamic_solids import Bodies, Meetings
-from sim.cloth.contact.solids import Solids
+from sim.cloth.contact.solids import Solids, Wall
 from sim.rigid.spec import Contact
 from sim.spec import SimulationSpec
 
@@ -29,19 +28,21 @@ MATERIALS = ("cloth",)
 
 def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Solids:
     """Surfaces of all bodies and containers where they are at `time` [s], and all walls."""
-    start, triangles, slide, hold = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
+    start, triangles, kinetic, static = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
     body, made = [np.zeros(0, int)], [np.zeros((0, 3))]
     for index, item in enumerate(obstacles.placed):
         mesh = item.solid.mesh
         made.append(mesh.vertices)
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
-        grip = _surface(spec, item.name).grip
-        slide.append(np.full(len(mesh.vertices), grip[0]))
-        hold.append(np.full(len(mesh.vertices), grip[1]))
+        friction = _surface(spec, item.name).friction_coefficients
+        kinetic.append(np.full(len(mesh.vertices), friction[0]))
+        static.append(np.full(len(mesh.vertices), friction[1]))
         body.append(np.full(len(mesh.vertices), index))
-    walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
-    parts = (np.concatenate(part) for part in (made, triangles, slide, hold, body))
+    walls = [
+        Wall(wall.normal, wall.offset, *_surface(spec, wall.body).friction_coefficients) for wall in obstacles.walls
+    ]
+    parts = (np.concatenate(part) for part in (made, triangles, kinetic, static, body))
     names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
     filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
     return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
@@ -58,28 +59,34 @@ def places(obstacles: Obstacles, time: float) -> np.ndarray:
 
 def ahead(cloth: ClothModel, rigid: RigidModel, dt: float) -> Bodies:
     """Bodies where a step of dt [s] took them that the cloth has not changed yet."""
-    loose = cloth.solids.loose
-    inertia = np.linalg.inv(rigid.mobility(rigid.motions()[loose, :9].reshape(-1, 3, 3), np.array(loose, int)))
-    return Bodies(rigid.position[loose], rigid.mass[loose], inertia, rigid.lag[loose], _meetings(loose, rigid, dt))
+    dynamic = cloth.solids.dynamic
+    inertia = np.linalg.inv(rigid.mobility(rigid.motions()[dynamic, :9].reshape(-1, 3, 3), np.array(dynamic, int)))
+    return Bodies(
+        rigid.position[dynamic],
+        rigid.mass[dynamic],
+        inertia,
+        rigid.path_deviation[dynamic],
+        _meetings(dynamic, rigid, dt),
+    )
 
 
-def _meetings(loose: list[int], rigid: RigidModel, dt: float) -> Meetings:
+def _meetings(dynamic: list[int], rigid: RigidModel, dt: float) -> Meetings:
     """Where bodies touch one another and other solids."""
     met = rigid.meetings(dt)
     if met is None:
         return Meetings.none()
     pair, place, *others = met
     row = np.full(rigid.count, -1)
-    row[loose] = np.arange(len(loose))
+    row[dynamic] = np.arange(len(dynamic))
     return Meetings(row[pair], place[:, None] - rigid.position[pair], *others)
 
 
 def push(cloth: ClothModel, rigid: RigidModel, dt: float) -> None:
     """Let bodies give way to the cloth as it found in a step of dt [s]."""
-    collisions, bodies = cloth.collisions, cloth.collisions.loose
-    loose = np.array(cloth.solids.loose)
-    rigid.apply_response(loose, dt * (collisions.on_bodies() - bodies.load), *bodies.displacements())
-    rigid.rebound(dt, loose, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
+    collisions, bodies = cloth.collisions, cloth.collisions.bodies
+    dynamic = np.array(cloth.solids.dynamic)
+    rigid.apply_response(dynamic, dt * (collisions.on_bodies() - bodies.load), *bodies.displacements())
+    rigid.rebound(dt, dynamic, dt * collisions.of_cloth(), bodies.taken, collisions.between_bodies())
 
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:

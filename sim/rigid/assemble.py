@@ -17,14 +17,14 @@ def assemble(spec: SimulationSpec, obstacles: Obstacles) -> list[Body]:
         surface = spec.containers.get(item.name) or spec.rigid.bodies[item.name]
         shape = contact_shape(item.solid, hollow=item.hollow)
         if item.hollow or surface.motion != "dynamic":
-            found.append(Body(item.name, shape, *surface.grip, surface.restitution))
+            found.append(Body(item.name, shape, *surface.friction_coefficients, surface.restitution))
             continue
         mass = item.solid.mass_properties(surface.density)
         found.append(
             Body(
                 item.name,
                 shape,
-                *surface.grip,
+                *surface.friction_coefficients,
                 surface.restitution,
                 mass=mass if surface.mass is None else mass.scaled_to(surface.mass),
                 velocity=np.array(surface.velocity),
@@ -36,5 +36,7 @@ def assemble(spec: SimulationSpec, obstacles: Obstacles) -> list[Body]:
         )
     for wall in obstacles.walls:
         surface = spec.containers.get(wall.body) or spec.rigid.bodies[wall.body]
-        found.append(Body(wall.body, plane_shape(wall.normal, wall.offset), *surface.grip, surface.restitution))
+        found.append(
+            Body(wall.body, plane_shape(wall.normal, wall.offset), *surface.friction_coefficients, surface.restitution)
+        )
     return found

@@ -13,7 +13,7 @@ from sim.rigid.spec import Pull
 
 @dataclass
 class RigidState:
-    """Of the free bodies, by name; of contacts, by the index of their bodies in the world that made it."""
+    """Of the dynamic bodies, by name; of contacts, by the index of their bodies in the world that made it."""
 
     names: tuple[str, ...] = ()
     position: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
@@ -52,9 +52,8 @@ class Body:
 
     name: str
     shape: ContactShape
-    friction: float
-    grip: float
-    """Coefficient of friction at rest."""
+    kinetic_friction: float
+    static_friction: float
     restitution: float
     mass: MassProperties | None = None
     velocity: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -91,7 +90,7 @@ class Body:
 
 @dataclass(frozen=True)
 class RigidMeasure:
-    """Sums over the free bodies, and extremes."""
+    """Sums over the dynamic bodies, and extremes."""
 
     kinetic_energy: float
     potential_energy: float

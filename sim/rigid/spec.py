@@ -50,7 +50,7 @@ class Contact(Settings):
     """Relative speed after an impact over the one before; of two bodies the greater counts."""
 
     @property
-    def grip(self) -> tuple[float, float]:
+    def friction_coefficients(self) -> tuple[float, float]:
         """Coefficients of friction while sliding and at rest."""
         return self.friction, self.friction if self.static_friction is None else self.static_friction
 

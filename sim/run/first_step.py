@@ -95,8 +95,8 @@ def refuse_jumps(item: PlacedSheet, time: float) -> None:
     from sim.cloth.fabric.pins import refuse_jump
 
     size = float(np.ptp(item.fabric.points, axis=0).max())
-    for lead in item.leads:
-        refuse_jump(item.name, lead, item.begins[lead.points], size, time)
+    for part in item.pinned:
+        refuse_jump(item.name, part, item.begins[part.points], size, time)
 
 
 def _of_bodies(world: World) -> Limits:

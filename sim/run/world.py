@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sim.cloth.contact.solids import Solids
     from sim.cloth.fabric.state import ClothState
     from sim.cloth.model import ClothModel, PlacedSheet
-    from sim.cloth.untangling.untangle import Untangled
+    from sim.cloth.untangling.report import Untangled
     from sim.coupling.fluid_cloth.sheet_samples import SheetSamples
     from sim.coupling.fluid_cloth.wet_cloth import WetCloth
     from sim.coupling.fluid_rigid.floating import Floating

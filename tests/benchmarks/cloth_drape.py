@@ -97,13 +97,13 @@ def imbalance(world, dt: float, now: float) -> float:
     before = mesh.points.velocity.to_numpy()[: mesh.count]
     cloth.advance(h, now + h)
     change = (mesh.points.velocity.to_numpy()[: mesh.count] - before) / h
-    known, force = cloth.collisions.known, np.zeros((mesh.count, 3))
-    if len(known.key):
-        each = cloth.collisions.touches.touch_force.to_numpy()[: len(known.key)]
+    contacts, force = cloth.collisions.contacts, np.zeros((mesh.count, 3))
+    if len(contacts.key):
+        each = cloth.collisions.tables.contact_force.to_numpy()[: len(contacts.key)]
         for corner in range(4):
-            rows = known.key[:, 1 + corner]
+            rows = contacts.key[:, 1 + corner]
             own = (rows >= 0) & (rows < mesh.count)
-            np.add.at(force, rows[own], known.weight[own, corner, None] * each[own])
+            np.add.at(force, rows[own], contacts.weight[own, corner, None] * each[own])
     weight = mesh.mass[:, None] * np.array([0, -9.81, 0])
     left = mesh.mass[:, None] * change - weight - pulls(mesh) - force
     return float(np.sqrt((left**2).sum() / (weight**2).sum()))

@@ -135,6 +135,6 @@ def test_a_block_on_a_towel_stays(mass):
     )
     for k in range(1, 51):
         world.advance(0.004, 0.004 * k)
-    height = world.rigid.position[world.rigid.free][0, 1]
+    height = world.rigid.position[world.rigid.dynamic][0, 1]
     assert height == pytest.approx(THICK + 0.02, abs=0.01 * THICK)
     assert world.cloth.collisions.on_bodies()[0, 1] == pytest.approx(mass * G, rel=0.01)

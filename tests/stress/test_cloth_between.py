@@ -70,7 +70,7 @@ def test_a_ball_under_a_cloth_bounces():
     heights = []
     for k in range(1, 111):
         world.advance(0.004, 0.004 * k)
-        heights.append(world.rigid.position[world.rigid.free][0, 1] - 0.05)
+        heights.append(world.rigid.position[world.rigid.dynamic][0, 1] - 0.05)
     least = int(np.argmin(heights))
     share = world.cloth.mesh.mass.sum() / mass
     assert max(heights[least:]) == pytest.approx(drop * ((e - share) / (1 + share)) ** 2, rel=0.02)

@@ -20,10 +20,11 @@ def momentum(world) -> tuple[np.ndarray, np.ndarray]:
     """Of cloth and bodies, and angular about the origin [kg m/s] and [kg m^2/s]."""
     rigid, mass = world.rigid, world.cloth.mesh.mass[:, None]
     x, v = world.cloth.vertices("cloth")
-    free = rigid.free
-    linear = (mass * v).sum(axis=0) + (rigid.mass[free, None] * rigid.velocity[free]).sum(axis=0)
-    angular = np.cross(x, mass * v).sum(axis=0) + rigid.momentum[free].sum(axis=0)
-    return linear, angular + np.cross(rigid.position[free], rigid.mass[free, None] * rigid.velocity[free]).sum(axis=0)
+    dynamic = rigid.dynamic
+    linear = (mass * v).sum(axis=0) + (rigid.mass[dynamic, None] * rigid.velocity[dynamic]).sum(axis=0)
+    angular = np.cross(x, mass * v).sum(axis=0) + rigid.momentum[dynamic].sum(axis=0)
+    orbital = np.cross(rigid.position[dynamic], rigid.mass[dynamic, None] * rigid.velocity[dynamic])
+    return linear, angular + orbital.sum(axis=0)
 
 
 BODIES = {"ball": ball(0.05, density=300), "box": box((0.12, 0.08, 0.1), density=200)}
@@ -42,7 +43,7 @@ def test_momentum_goes_from_one_to_the_other(body, gravity, integrator):
         gravity=[0, -gravity, 0],
     )
     linear, angular = momentum(world)
-    whole = world.cloth.mesh.mass.sum() + world.rigid.mass[world.rigid.free].sum()
+    whole = world.cloth.mesh.mass.sum() + world.rigid.mass[world.rigid.dynamic].sum()
     dt, steps = 0.002, 60
     for k in range(1, steps + 1):
         world.advance(dt, k * dt)

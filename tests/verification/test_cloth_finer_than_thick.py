@@ -38,8 +38,8 @@ def test_sheets_keep_their_thickness_however_fine_they_are():
 
 def test_which_pairs_are_thinner():
     """Points along a strip: from twice its thickness on they keep it, nearer ones have half of their distance."""
-    from sim.cloth.contact.crowding import Crowding
-    from sim.cloth.contact.search import POINT
+    from sim.cloth.contact.detection.crowding import Crowding
+    from sim.cloth.contact.detection.search import POINT
 
     strip = cloths.sheet((LENGTH, WIDTH), spacing=CELL, thickness=THICKNESS, **SOFT)
     made = cloths.part({"one": strip, "other": strip | {"position": [0, 0.012, 0]}})

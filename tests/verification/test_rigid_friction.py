@@ -65,7 +65,7 @@ def test_a_ball_that_slides_begins_to_roll(spin, gap):
     def look(time: float) -> None:
         heights.append(bodies.position[0, 1] - radius)
         if abs(bodies.velocity[0, 0] + radius * bodies.spin[0, 2]) < 1e-6:
-            rolls.append(time - bodies.late[0])
+            rolls.append(time - bodies.velocity_lag[0])
 
     step(bodies, 1.0, look)
     assert rolls[0] == pytest.approx(2 * sliding / (7 * friction * G), abs=bodies.settings.max_step)

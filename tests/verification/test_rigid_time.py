@@ -8,7 +8,7 @@ import csv
 import numpy as np
 import pytest
 
-from sim.rigid.model import SLACK
+from sim.rigid.collision.detection import ALLOWED_OVERLAP
 from tests.bodies import G, ball, box, ground, part, step, turn
 
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3)
@@ -117,7 +117,7 @@ def test_a_crate_on_a_ramp_that_tips_stays_where_it_is(simulate):
     along = found[:, 0] * np.cos(angle) + found[:, 1] * np.sin(angle)
     above = found[:, 1] * np.cos(angle) - found[:, 0] * np.sin(angle)
     assert along == pytest.approx(np.full(len(found), start[0]), abs=1e-7)
-    assert above == pytest.approx(np.full(len(found), start[1]), abs=SLACK * 0.2)
+    assert above == pytest.approx(np.full(len(found), start[1]), abs=ALLOWED_OVERLAP * 0.2)
 
 
 @pytest.mark.parametrize("dt", STEPS[::2])
@@ -147,7 +147,7 @@ def test_what_stood_on_a_lift_that_stops_flies_on(simulate, dt):
     out = simulate({"fps": 100, "rigid": {"bodies": bodies, "max_step": dt}}, len(time) - 1)
     for name, start in (("low", 0.05), ("high", 0.15)):
         expected = start + speed * time - G * np.maximum(time - stops, 0) ** 2 / 2
-        assert places(out, name)[:, 1] == pytest.approx(expected, abs=SLACK * 0.1)
+        assert places(out, name)[:, 1] == pytest.approx(expected, abs=ALLOWED_OVERLAP * 0.1)
 
 
 @pytest.mark.parametrize("dt", [pytest.param(STEPS[0], marks=UNEXPLAINED), STEPS[2]])
@@ -161,7 +161,7 @@ def test_what_lay_on_a_table_that_goes_falls_from_then_on(simulate, dt):
     out = simulate(scene, len(time) - 1)
     for name, start in (("low", 0.05), ("high", 0.15)):
         expected = start - G * np.maximum(time - goes, 0) ** 2 / 2
-        assert places(out, name)[:, 1] == pytest.approx(expected, abs=SLACK * 0.1)
+        assert places(out, name)[:, 1] == pytest.approx(expected, abs=ALLOWED_OVERLAP * 0.1)
 
 
 def places(folder, name: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Contacts of cloth with itself and with solids: found with continuous collision detection (CCD), kept, and solved.
+"""Contacts of cloth with itself and with solids: found (`detection`), kept from step to step, and solved.
 
 The integrators and the couplings of cloth import it.
 """

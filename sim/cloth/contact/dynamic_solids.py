@@ -7,13 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.cloth.fabric.arrays import clear, filled, incidence, integers, matrices, numbers, vectors
-from sim.cloth.fabric.layout import Holds, Loose
+from sim.cloth.fabric.layout import CoupledBodies
 from sim.geometry.components import groups
+
+ROOM = 64
+"""Sides of contacts with bodies that there is room for at first."""
 
 
 @dataclass(frozen=True)
 class Meetings:
-    """Where bodies touch others, or solids that are led or at rest, as a step without cloth leaves them."""
+    """Where bodies touch others, or solids that are moved or at rest, as a step without cloth leaves them."""
 
     body: np.ndarray
     """Rows of both, -1 of what does not obey forces, shape [n, 2]."""
@@ -50,14 +53,14 @@ class Bodies:
     """[kg], shape [n]."""
     inertia: np.ndarray
     """About their centres, in the axes of the scene [kg m^2], shape [n, 3, 3]."""
-    lag: np.ndarray
+    path_deviation: np.ndarray
     """By how much they are off where their velocities at its end would have taken them [m], shape [n, 3]: what falls
     freely goes on a parabola, what meets something does not."""
     meetings: Meetings
 
 
-class LooseBodies:
-    """The tables of those bodies. `owner`: of each point of solids the row of its body, -1 where that is led or at
+class BodyCoupling:
+    """The tables of those bodies. `owner`: of each point of solids the row of its body, -1 where that is moved or at
     rest, shape [m]; `first`: number of the first such point."""
 
     def __init__(self, owner: np.ndarray, first: int):
@@ -71,63 +74,71 @@ class LooseBodies:
         """[kg]"""
         self._groups, self._group = self.count, np.arange(self.count)
         self._reach = np.tile([1.0, 0.0], self.count)
+        names = ("body_displacement", "body_base", "body_predicted")
         self._arrays = {
-            "loose_block": matrices(rows),
-            **{name: vectors(np.zeros((rows, 3))) for name in ("loose_way", "loose_base", "loose_aim")},
+            "body_inertia": matrices(rows),
+            **{name: vectors(np.zeros((rows, 3))) for name in names},
+            "first_body_contact": integers(np.zeros(self.count + 1)),
         }
-        self.tables = Loose(**self._arrays)
         self.reach = numbers(self._reach)
-        """How far a way or turn of 1 takes points of bodies at most."""
-        self._list(np.zeros((0, 2), int))
+        """How far a displacement or turn of 1 takes points of bodies at most."""
+        self._make_room(ROOM)
         self.meetings = Meetings.none()
         """Those that what the cloth does to bodies may change."""
         self.all_meetings = self.meetings
         self.taken = np.zeros(0, int)
         """Which they are of all."""
         self.load = np.zeros((self.count, 6))
-        """Forces [N] and torques [N m] that bodies are aimed at with, and that are looked for anew."""
+        """Forces [N] and torques [N m] that bodies are predicted with, and that are looked for anew."""
 
-    def aim(self, bodies: Bodies, places: np.ndarray, dt: float) -> None:
+    def _make_room(self, room: int) -> None:
+        """For so many sides of contacts."""
+        self._room = room
+        self.tables = CoupledBodies(**self._arrays, of_body_contact=integers(np.zeros(room)))
+
+    def predict(self, bodies: Bodies, places: np.ndarray, dt: float) -> None:
         """A step of dt [s] begins, after which points of solids would be at `places` [m], shape [m, 3]."""
         if not self.count:
             return
-        self.places, self._centre, self.mass, self._lag = places, bodies.centre, bodies.mass, bodies.lag
+        self.places, self._centre, self.mass = places, bodies.centre, bodies.mass
+        self._path_deviation = bodies.path_deviation
         self.all_meetings, self.meetings, self.taken = bodies.meetings, Meetings.none(), np.zeros(0, int)
         block = np.empty((self.count, 2, 3, 3))
         block[:, 0] = bodies.mass[:, None, None] * np.eye(3)
         block[:, 1] = bodies.inertia
         block = block.reshape(-1, 3, 3)
-        self._gives = dt * dt * np.linalg.inv(block)
+        self._mobility = dt * dt * np.linalg.inv(block)
         self._reach[1::2] = 0.0
         arms = np.linalg.norm(places - self._centre[self.owner], axis=1)
         np.maximum.at(self._reach, 2 * self.owner[self.owner >= 0] + 1, arms[self.owner >= 0])
-        filled(self._arrays["loose_block"], block / (dt * dt))
+        filled(self._arrays["body_inertia"], block / (dt * dt))
         filled(self.reach, self._reach)
-        clear(self._arrays["loose_way"])
+        clear(self._arrays["body_displacement"])
 
-    def hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def list_contacts(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of contacts of the cloth with these points and weights, and of `meetings` after them, the bodies, -1 for
-        none, shape [n, 2], sums of weights, [n, 2], and arms [m], [n, 2, 3], as `Touches` has them; lists all."""
-        body, total, arm = self._hold(key, weight)
+        none, shape [n, 2], sums of weights, [n, 2], and arms [m], [n, 2, 3], as `Contacts` has them; lists all."""
+        body, total, arm = self._sides(key, weight)
         if not self.count:
             return body, total, arm
         met = self._meet(np.unique(body[body >= 0]))
         sides = np.where(met.body >= 0, [1.0, -1.0], 0.0)
         arms = sides[:, :, None] * met.arm
         self.load = self.sum(met.body, wrenches(sides, arms, met.force))
-        filled(self._arrays["loose_aim"], self._ways_by(np.zeros((self.count, 6))))
+        filled(self._arrays["body_predicted"], self._displacements_by(np.zeros((self.count, 6))))
         whole = np.concatenate([body, met.body])
         self._list(whole)
         return whole, np.concatenate([total, sides]), np.concatenate([arm, arms])
 
     def try_forces(self, wrench: np.ndarray) -> None:
-        """Try ways by forces [N] and torques [N m], shape [n, 6]."""
-        filled(self._arrays["loose_way"], self._ways_by(wrench))
+        """Try displacements by forces [N] and torques [N m], shape [n, 6]."""
+        filled(self._arrays["body_displacement"], self._displacements_by(wrench))
 
-    def _ways_by(self, wrench: np.ndarray) -> np.ndarray:
-        """Ways [m] and turns [rad] in a step by forces [N] and torques [N m] in place of those aimed at."""
-        displacement = (self._gives @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
-        displacement[::2] += np.where(self._touched[:, None], self._lag, 0.0)
+    def _displacements_by(self, wrench: np.ndarray) -> np.ndarray:
+        """Displacements [m] and turns [rad] in a step by forces [N] and torques [N m] in place of those that were
+        predicted."""
+        displacement = (self._mobility @ (wrench - self.load).reshape(-1, 3, 1))[:, :, 0]
+        displacement[::2] += np.where(self._touched[:, None], self._path_deviation, 0.0)
         return displacement
 
     def _meet(self, touching: np.ndarray) -> Meetings:
@@ -142,9 +153,13 @@ class LooseBodies:
 
     def _list(self, body: np.ndarray) -> None:
         first, entry = incidence(np.where(body >= 0, body, self.count), self.count)
-        self.holds = Holds(first_hold=integers(first), of_hold=integers(entry[: int(first[-1])]))
+        entry = entry[: int(first[-1])]
+        if len(entry) > self._room:
+            self._make_room(2 * len(entry))
+        filled(self._arrays["first_body_contact"], first.astype(np.int32))
+        filled(self.tables["of_body_contact"], entry.astype(np.int32))
 
-    def _hold(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _sides(self, key: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Of contacts of the cloth."""
         body = np.full((len(key), 2), -1)
         total, arm = np.zeros((len(key), 2)), np.zeros((len(key), 2, 3))
@@ -173,8 +188,8 @@ class LooseBodies:
         return float((mass / np.maximum(number, 1)).max(initial=0.0, where=number > 0))
 
     def displacements(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of bodies ways [m] and turns [rad] from where they would have gone, both of shape [n, 3]."""
-        found = self._arrays["loose_way"].to_numpy()[: 2 * self.count].reshape(-1, 2, 3)
+        """Of bodies displacements [m] and turns [rad] from where they would have gone, both of shape [n, 3]."""
+        found = self._arrays["body_displacement"].to_numpy()[: 2 * self.count].reshape(-1, 2, 3)
         return found[:, 0], found[:, 1]
 
     def moved(self) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Zones of impact: points that would pass one another go on more and more as one (Provot 1997, Bridson et al. 2002).
 
-What moves as one passes through nothing of itself. The mean way of a zone, weighed by mass, stays: so does its
+What moves as one passes through nothing of itself. The mean displacement of a zone, weighed by mass, stays: so does its
 momentum. A zone that a solid, a held point or a plane is part of goes where that goes.
 """
 
@@ -32,7 +32,7 @@ class ImpactZones:
         return np.where(chosen, zone, -1)
 
     def join(self, zone: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Ways or velocities of points, shape [points, 3], half as far from the mean of their zone as before."""
+        """Displacements or velocities of points, shape [points, 3], half as far from the mean of their zone."""
         inside = np.flatnonzero(zone >= 0)
         name, zone = np.unique(zone[inside], return_inverse=True)
         mass, free = self.mass[inside], self.mass[inside] > 0

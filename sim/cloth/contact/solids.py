@@ -6,7 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.cloth.contact.collision import Wall
+
+@dataclass(frozen=True)
+class Wall:
+    """The half-space n.x < offset, and its coefficients of friction."""
+
+    normal: np.ndarray
+    offset: float
+    kinetic_friction: float
+    static_friction: float
 
 
 @dataclass(frozen=True)
@@ -20,9 +28,9 @@ class Solids:
     bit in a run that goes on from a state."""
     triangles: np.ndarray
     """Shape [t, 3]."""
-    slide: np.ndarray
+    kinetic_friction: np.ndarray
     """Coefficients of friction at points while sliding, shape [n]."""
-    hold: np.ndarray
+    static_friction: np.ndarray
     """At rest, shape [n]."""
     body: np.ndarray
     """Numbers of the bodies that points belong to, shape [n]."""
@@ -31,7 +39,7 @@ class Solids:
     """Of the bodies."""
     wall_names: list[str]
     """Of what the walls belong to."""
-    loose: list[int]
+    dynamic: list[int]
     """Numbers of the bodies that obey forces."""
     filled: list[int]
     """Numbers of the bodies that have an inside in which nothing can be."""

@@ -14,14 +14,14 @@ from sim.device.double import Integers, mat3, vec3
 @ti.func
 def drag(i: ti.i32, velocity: vec3, d: ti.template()) -> vec3:
     """What air takes from a point [N] at a velocity relative to it."""
-    n = d.face[i]
+    n = d.cloth_normal[i]
     return d.drag_along[i] * velocity + (d.drag_across[i] - d.drag_along[i]) * n.dot(velocity) * n
 
 
 @ti.func
 def drag_block(i: ti.i32, d: ti.template()) -> mat3:
     """How that changes with the velocity [kg/s]."""
-    n, unit = d.face[i], mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    n, unit = d.cloth_normal[i], mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     return d.drag_along[i] * unit + (d.drag_across[i] - d.drag_along[i]) * n.outer_product(n)
 
 
@@ -57,6 +57,6 @@ def find_drag(
             normal = area / size
         past = p.velocity[i] - wind
         speed = normal.dot(past)
-        d.face[i] = normal
+        d.cloth_normal[i] = normal
         d.drag_across[i] = normal_factor * size * abs(speed)
         d.drag_along[i] = along_factor * size * (past - speed * normal).norm()

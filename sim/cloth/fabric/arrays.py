@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
-from sim.cloth.fabric.layout import Angles, Points, Strands
+from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Points, Springs
+from sim.device.double import vec3
 
 
 def integers(values: np.ndarray) -> ti.Ndarray:
@@ -45,7 +46,7 @@ def incidence(members: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def point_arrays(position: np.ndarray, velocity: np.ndarray, mass: np.ndarray, held: np.ndarray) -> Points:
-    """`held`: whether a point goes where its pin leads it."""
+    """`held`: whether a point goes where its pin takes it."""
     return Points(
         position=vectors(position),
         velocity=vectors(velocity),
@@ -54,32 +55,47 @@ def point_arrays(position: np.ndarray, velocity: np.ndarray, mass: np.ndarray, h
     )
 
 
-def strand_arrays(
+def spring_arrays(
     springs: np.ndarray, rest: np.ndarray, stiffness: np.ndarray, damping: np.ndarray, count: int
-) -> Strands:
+) -> Springs:
     """springs: both ends, shape [n, 2]; lengths at rest [m], stiffness [N/m], damping [N s/m]; count: of points."""
     first, entry = incidence(springs, count)
-    return Strands(
-        ends=integers(springs.ravel()),
-        rest=numbers(rest),
-        stiff=numbers(stiffness),
-        damp=numbers(damping),
+    return Springs(
+        spring_ends=integers(springs.ravel()),
+        rest_length=numbers(rest),
+        spring_stiffness=numbers(stiffness),
+        spring_damping=numbers(damping),
         first_spring=integers(first),
         of_spring=integers(entry),
     )
 
 
-def angle_arrays(hinges: np.ndarray, rest: np.ndarray, rigidity: np.ndarray, damping: np.ndarray, count: int) -> Angles:
+def hinge_arrays(hinges: np.ndarray, rest: np.ndarray, rigidity: np.ndarray, damping: np.ndarray, count: int) -> Hinges:
     """hinges: four points, shape [n, 4]; angles at rest [rad], rigidity [N m], damping [N m s]; count: of points."""
     first, entry = incidence(hinges, count)
-    return Angles(
-        corners=integers(hinges.ravel()),
+    return Hinges(
+        hinge_points=integers(hinges.ravel()),
         rest_angle=numbers(rest),
-        rigid=numbers(rigidity),
-        bend_damp=numbers(damping),
+        rigidity=numbers(rigidity),
+        bend_damping=numbers(damping),
         first_hinge=integers(first),
         of_hinge=integers(entry),
     )
+
+
+def mass_spring(
+    points: Points,
+    springs: Springs,
+    hinges: Hinges,
+    drag: Drag,
+    counts: tuple[int, int, int],
+    gravity: np.ndarray,
+    wind: vec3,
+) -> MassSpring:
+    """All of a cloth in one, of the same arrays; counts: of points, springs and hinges; gravity [m/s^2]; wind [m/s]."""
+    parts = dict(zip(("point_count", "spring_count", "hinge_count"), counts, strict=True))
+    members = {name: values for pack in (points, springs, hinges, drag) for name, values in pack.items}
+    return MassSpring(**parts, gravity=vec3(*gravity), wind=wind, **members)
 
 
 def matrices(count: int) -> ti.Ndarray:

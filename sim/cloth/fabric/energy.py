@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
 import taichi as ti
 
 from sim.cloth.fabric import energy_sums
-from sim.cloth.fabric.layout import ROWS
+from sim.cloth.fabric.layout import PARTITIONS
 from sim.cloth.fabric.mesh import ClothMesh
-from sim.device.double import vec3
 
 
 @dataclass(frozen=True)
@@ -35,22 +33,11 @@ class ClothMeasure:
 class Meter:
     """Measures one cloth."""
 
-    def __init__(self, mesh: ClothMesh, gravity: np.ndarray):
+    def __init__(self, mesh: ClothMesh):
         self.mesh = mesh
-        self.gravity = vec3(*gravity)
-        self._rows = ti.Vector.ndarray(5, ti.f64, ROWS)
+        self._partitions = ti.Vector.ndarray(5, ti.f64, PARTITIONS)
 
     def read(self) -> ClothMeasure:
         """Measure the cloth as it is now."""
-        mesh = self.mesh
-        found = energy_sums.measure(
-            mesh.count,
-            mesh.springs,
-            mesh.hinges,
-            self.gravity,
-            mesh.points,
-            mesh.strands,
-            mesh.angles,
-            self._rows,
-        )
+        found = energy_sums.measure(self.mesh.model, self._partitions)
         return ClothMeasure(*(float(value) for value in found))

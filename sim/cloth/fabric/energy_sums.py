@@ -5,55 +5,48 @@ from typing import Any
 import taichi as ti
 
 from sim.cloth.fabric.bending import fold, turned
-from sim.cloth.fabric.layout import ROWS, Angles, Points, Strands
-from sim.device.double import vec3
+from sim.cloth.fabric.layout import PARTITIONS, MassSpring
 
 vec5: Any = ti.types.vector(5, ti.f64)
-Rows: Any = ti.types.ndarray(dtype=vec5, ndim=1)
+Partitions: Any = ti.types.ndarray(dtype=vec5, ndim=1)
 
 
 @ti.kernel
-def measure(
-    points: ti.i32,
-    springs: ti.i32,
-    hinges: ti.i32,
-    gravity: vec3,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    rows: Rows,
-) -> vec5:
+def measure(cloth: MassSpring, partitions: Partitions) -> vec5:
     """Kinetic energy, that in gravity, elastic energy [J], greatest speed [m/s], greatest stretch."""
-    for row in range(ROWS):
+    for partition in range(PARTITIONS):
         kinetic, high, elastic = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         fastest, stretch = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-        size = (points + ROWS - 1) // ROWS
-        for i in range(ti.min(row * size, points), ti.min((row + 1) * size, points)):
-            speed = p.velocity[i].norm()
-            kinetic += 0.5 * p.mass[i] * speed * speed
-            high -= p.mass[i] * gravity.dot(p.position[i])
+        count = cloth.point_count
+        size = (count + PARTITIONS - 1) // PARTITIONS
+        for i in range(ti.min(partition * size, count), ti.min((partition + 1) * size, count)):
+            speed = cloth.velocity[i].norm()
+            kinetic += 0.5 * cloth.mass[i] * speed * speed
+            high -= cloth.mass[i] * cloth.gravity.dot(cloth.position[i])
             fastest = ti.max(fastest, speed)
-        size = (springs + ROWS - 1) // ROWS
-        for k in range(ti.min(row * size, springs), ti.min((row + 1) * size, springs)):
-            length = (p.position[s.ends[2 * k]] - p.position[s.ends[2 * k + 1]]).norm()
-            over = length - s.rest[k]
-            elastic += 0.5 * s.stiff[k] * over * over
+        count = cloth.spring_count
+        size = (count + PARTITIONS - 1) // PARTITIONS
+        for k in range(ti.min(partition * size, count), ti.min((partition + 1) * size, count)):
+            length = (cloth.position[cloth.spring_ends[2 * k]] - cloth.position[cloth.spring_ends[2 * k + 1]]).norm()
+            over = length - cloth.rest_length[k]
+            elastic += 0.5 * cloth.spring_stiffness[k] * over * over
             over_rest = ti.cast(1.0, ti.f64)
-            if s.rest[k] > 0.0:
-                over_rest = length / s.rest[k]
+            if cloth.rest_length[k] > 0.0:
+                over_rest = length / cloth.rest_length[k]
             stretch = ti.max(stretch, over_rest)
-        size = (hinges + ROWS - 1) // ROWS
-        for k in range(ti.min(row * size, hinges), ti.min((row + 1) * size, hinges)):
-            c = ti.Vector([a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]])
-            hinge = fold(p.position[c[0]], p.position[c[1]], p.position[c[2]], p.position[c[3]])
-            over = turned(hinge.angle, a.rest_angle[k])
-            elastic += 0.5 * a.rigid[k] * over * over
-        rows[row] = vec5(kinetic, high, elastic, fastest, stretch)
+        count = cloth.hinge_count
+        size = (count + PARTITIONS - 1) // PARTITIONS
+        for k in range(ti.min(partition * size, count), ti.min((partition + 1) * size, count)):
+            p, q = cloth.position[cloth.hinge_points[4 * k]], cloth.position[cloth.hinge_points[4 * k + 1]]
+            r, s = cloth.position[cloth.hinge_points[4 * k + 2]], cloth.position[cloth.hinge_points[4 * k + 3]]
+            over = turned(fold(p, q, r, s).angle, cloth.rest_angle[k])
+            elastic += 0.5 * cloth.rigidity[k] * over * over
+        partitions[partition] = vec5(kinetic, high, elastic, fastest, stretch)
     found = vec5(0.0, 0.0, 0.0, 0.0, 0.0)
     ti.loop_config(serialize=True)
-    for row in range(ROWS):
+    for partition in range(PARTITIONS):
         for column in ti.static(range(3)):
-            found[column] += rows[row][column]
+            found[column] += partitions[partition][column]
         for column in ti.static(range(3, 5)):
-            found[column] = ti.max(found[column], rows[row][column])
+            found[column] = ti.max(found[column], partitions[partition][column])
     return found

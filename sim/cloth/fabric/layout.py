@@ -1,103 +1,148 @@
-"""How the arrays of a cloth are laid out for kernels."""
+"""How the arrays of a cloth are laid out for kernels.
+
+Members have names of their own in all packs that one kernel takes, and none of its variables is called like one: Taichi
+finds arrays by the name of the member alone.
+"""
 
 import taichi as ti
 
-from sim.device.double import Integers, Matrices, Numbers, Vectors, vec4
+from sim.device.double import Integers, Matrices, Numbers, Vectors, vec3, vec4
 
-ROWS = 256
+PARTITIONS = 256
 """Sums are taken over so many ranges, then over those, so that they do not depend on threads."""
 
 Weights = ti.types.ndarray(dtype=vec4, ndim=1)
 
 Points = ti.types.argpack(position=Vectors, velocity=Vectors, mass=Numbers, mobile=Integers)
-"""Positions [m], velocities [m/s], masses [kg], and whether a point is free or goes where its pin leads it."""
+"""Positions [m], velocities [m/s], masses [kg], and whether a point is free or goes where its pin takes it."""
 
-Strands = ti.types.argpack(
-    ends=Integers,
-    rest=Numbers,
-    stiff=Numbers,
-    damp=Numbers,
+Springs = ti.types.argpack(
+    spring_ends=Integers,
+    rest_length=Numbers,
+    spring_stiffness=Numbers,
+    spring_damping=Numbers,
     first_spring=Integers,
     of_spring=Integers,
 )
-"""Springs: both ends, lengths at rest [m], stiffness [N/m], damping [N s/m]; and those of each point, as 2 spring + end
+"""Both ends, lengths at rest [m], stiffness [N/m], damping [N s/m]; and the springs of each point, as 2 spring + end
 from first_spring[i] to first_spring[i + 1]."""
 
-Angles = ti.types.argpack(
-    corners=Integers,
+Hinges = ti.types.argpack(
+    hinge_points=Integers,
     rest_angle=Numbers,
-    rigid=Numbers,
-    bend_damp=Numbers,
+    rigidity=Numbers,
+    bend_damping=Numbers,
     first_hinge=Integers,
     of_hinge=Integers,
 )
-"""Hinges: four points, angles at rest [rad], rigidity [N m] and damping [N m s]; and those of each point, as 4 hinge +
+"""Four points, angles at rest [rad], rigidity [N m] and damping [N m s]; and the hinges of each point, as 4 hinge +
 corner."""
 
-Drag = ti.types.argpack(face=Vectors, drag_across=Numbers, drag_along=Numbers)
+Drag = ti.types.argpack(cloth_normal=Vectors, drag_across=Numbers, drag_along=Numbers)
 """Of points: the cloth's normals, and drag of the air across and along it [kg/s]."""
 
-Rows = ti.types.argpack(
+MassSpring = ti.types.argpack(
+    point_count=ti.i32,
+    spring_count=ti.i32,
+    hinge_count=ti.i32,
+    gravity=vec3,
+    wind=vec3,
+    **Points.members,
+    **Springs.members,
+    **Hinges.members,
+    **Drag.members,
+)
+"""The whole model of a cloth: points, springs, hinges and the drag of the air in one; gravity [m/s^2] and the wind
+[m/s]."""
+
+BlockMatrix = ti.types.argpack(
     first_block=Integers,
     column=Integers,
-    first_tie=Integers,
-    of_tie=Integers,
+    first_element=Integers,
+    of_element=Integers,
     slot=Integers,
-    off_block=Matrices,
-    own_block=Matrices,
-    alone_block=Matrices,
+    off_diagonal=Matrices,
+    diagonal=Matrices,
+    inertial_diagonal=Matrices,
 )
 """A matrix of blocks [N/m]: those of row i, from first_block[i] to first_block[i + 1], and their columns; that of the
-diagonal, and what of it is left when all points move alike: inertia and air. Of pairs of points, what ties them, from
-first_tie[k] to first_tie[k + 1]: -1 - spring, or 16 hinge + 4 corner of the first + corner of the other; and the places
-of their two blocks."""
+diagonal, and what of it is left when all points move alike: inertia and air. Of pairs of points, the elements that they
+share, from first_element[k] to first_element[k + 1]: -1 - spring, or 16 hinge + 4 corner of the first + corner of the
+other; and the places of their two blocks."""
 
-Touches = ti.types.argpack(
-    touch_corner=Integers,
-    touch_weight=Weights,
-    touch_body=Integers,
-    touch_sum=Numbers,
-    touch_arm=Vectors,
-    touch_normal=Vectors,
+LIMIT, KINETIC, STATIC, LAGGED = range(4)
+"""What stands in `law` of a contact: how far along the normal the first side has to be from the other at least [m], the
+coefficients of friction while sliding and at rest, and the normal force by which friction is bounded [N], which lags
+behind the one that is looked for."""
+
+Contacts = ti.types.argpack(
+    corner=Integers,
+    weight=Weights,
+    body=Integers,
+    body_weight=Numbers,
+    body_arm=Vectors,
+    normal=Vectors,
     law=Weights,
-    hard=Numbers,
-    press=Numbers,
-    grip=Vectors,
-    touch_force=Vectors,
-    touch_block=Vectors,
-    touch_trial=Vectors,
-    touch_way=Vectors,
-    awake=Integers,
-    first_touch=Integers,
-    of_touch=Integers,
+    stiffness=Numbers,
+    normal_force=Numbers,
+    friction_force=Vectors,
+    contact_force=Vectors,
+    tangent_stiffness=Vectors,
+    trial_force=Vectors,
+    relative_displacement=Vectors,
+    force_change=Vectors,
+    active=Integers,
+    first_contact=Integers,
+    of_contact=Integers,
 )
-"""Contacts: four points, -1 where there is none, and their weights; two bodies that give way, -1 where there is none,
-sums of the weights of their points, and of these times places from the centre of mass [m]; the normal; how far along it
-the first side has to be from the other at least [m], the coefficients of friction while sliding and at rest, and the
-force along the normal that they count of [N]; the stiffness with which contacts are looked for [N/m]; the force along
-the normal [N] and across [N] that is known of; the force now, its stiffness along the normal, across, and along the
-slip [N/m], and what it would be without the laws of contact [N]; how its sides move apart, or its force changes;
-whether it may press while conjugate gradients run; and those of each point, as 4 contact + corner.
+"""Contacts: four points, -1 where there is none, and their weights; two coupled bodies, -1 where there is none, sums of
+the weights of their points, and of these times places from the centre of mass [m]; the normal; the law; the contact
+stiffness [N/m]; the multipliers, a force along the normal [N] and one of friction [N]; the force now, its stiffness
+along the normal, across, and along the slip [N/m], and what it would be without the laws of contact [N]; along the
+direction of a search, how its sides move apart and its force changes; whether it may press while conjugate gradients
+run; and the contacts of each point, as 4 contact + corner."""
 
-In small steps `touch_block` is whether a contact takes part, and its limit then [m], `touch_trial` where the first side
-was from the other before [m], and `touch_way` by what the force changes [N]."""
+ACTIVE, LEAST = range(2)
+"""What stands in `active_limit` of a contact: 1 if it takes part in a small step, else 0, and its limit then [m]."""
 
-Loose = ti.types.argpack(
-    loose_block=Matrices,
-    loose_way=Vectors,
-    loose_base=Vectors,
-    loose_aim=Vectors,
+ProjectedContacts = ti.types.argpack(
+    **{
+        name: Contacts.members[name]
+        for name in ("corner", "weight", "body", "body_weight", "body_arm", "normal", "law", "normal_force")
+    },
+    friction_force=Vectors,
+    contact_force=Vectors,
+    active_limit=Vectors,
+    before_step=Vectors,
+    force_change=Vectors,
+    first_contact=Integers,
+    of_contact=Integers,
 )
-"""Bodies that obey forces, each as two rows: its way [m] and its turn [rad], small as they are, from where it goes
-without what the cloth changes. Inertia over the step squared; ways tried, tried before, and taken without what is
-looked for."""
+"""The same contacts in small steps, in which forces are found by projection: whether each takes part, and its limit
+[m]; where the first side was from the other before the small step [m]; and by what the force changes [N]."""
 
-Holds = ti.types.argpack(first_hold=Integers, of_hold=Integers)
-"""Contacts of each body, as 2 contact + side, from first_hold[b] to first_hold[b + 1]."""
+CoupledBodies = ti.types.argpack(
+    body_inertia=Matrices,
+    body_displacement=Vectors,
+    body_base=Vectors,
+    body_predicted=Vectors,
+    first_body_contact=Integers,
+    of_body_contact=Integers,
+)
+"""Rigid bodies whose motion is solved for with that of the cloth, each as two rows: its displacement [m] and its turn
+[rad], small as they are, from where it goes without what the cloth changes. Inertia over the step squared;
+displacements tried, tried before, and predicted, without what is looked for. And the contacts of each body, as 2
+contact + side, from first_body_contact[b] to first_body_contact[b + 1]."""
 
-Way = ti.types.argpack(start=Vectors, before=Vectors, aims=Vectors, shares=Numbers)
-"""Where points were before a step and before a small step, and where those that are held, and solids, are to be [m];
-contacts of each that take part in a small step."""
-
-Pace = ti.types.argpack(body_gives=Matrices, body_speed=Vectors, body_shares=Numbers)
-"""Of the rows of bodies in small steps: one over inertia, the speed of their ways, and contacts that take part."""
+StepMotion = ti.types.argpack(
+    start=Vectors,
+    before=Vectors,
+    target=Vectors,
+    active_contacts=Numbers,
+    body_mobility=Matrices,
+    body_velocity=Vectors,
+    body_active_contacts=Numbers,
+)
+"""Small steps. Where points were before the step and before a small one, and where those that are held, and solids, are
+to be [m]; contacts of each that take part. Of rows of coupled bodies: one over inertia, the velocity of displacements,
+and contacts that take part."""

@@ -6,9 +6,18 @@ import numpy as np
 import taichi as ti
 
 from sim.cloth.fabric.air_drag import find_drag
-from sim.cloth.fabric.arrays import angle_arrays, incidence, integers, numbers, point_arrays, strand_arrays, vectors
+from sim.cloth.fabric.arrays import (
+    hinge_arrays,
+    incidence,
+    integers,
+    mass_spring,
+    numbers,
+    point_arrays,
+    spring_arrays,
+    vectors,
+)
 from sim.cloth.fabric.fabric import Fabric
-from sim.cloth.fabric.layout import Drag
+from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Springs
 from sim.cloth.spec import Air, ClothSheet
 from sim.device.double import vec3
 
@@ -51,22 +60,32 @@ class ClothMesh(Elastic):
         velocity: np.ndarray,
         held: np.ndarray,
         air: Air | None,
+        gravity: np.ndarray,
         solids: np.ndarray | None = None,
     ):
-        """`solids` as of Elastic."""
+        """gravity [m/s^2], shape [3]; `solids` as of Elastic."""
         super().__init__(sheets, fabrics, held, solids)
         solids = self.placed[self.count :]
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
         position = np.concatenate([position, solids])
         self.points = point_arrays(position, np.concatenate([velocity, 0 * solids]), weight, fixed)
-        self.strands = strand_arrays(self.ends, self.rest, self.stiffness, self.damping, self.count)
-        self.angles = angle_arrays(self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.count)
+        self._gravity = gravity
+        springs = spring_arrays(self.ends, self.rest, self.stiffness, self.damping, self.count)
+        hinges = hinge_arrays(self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.count)
         self.place = vectors(position)
         """Where held points and solids are at the end of a step [m]; of others, what integrators make of it."""
-        self.stiff = numbers(np.bincount(self.ends.ravel(), weights=np.repeat(self.stiffness, 2), minlength=self.count))
+        self.stiffness_at_point = numbers(
+            np.bincount(self.ends.ravel(), weights=np.repeat(self.stiffness, 2), minlength=self.count)
+        )
         """Sum over the springs of each point [N/m]."""
         self.air = AirDrag(self, air)
+        self.model = self.as_model(springs, hinges)
+
+    def as_model(self, springs: Springs, hinges: Hinges) -> MassSpring:
+        """The points and the air of this cloth with its springs and hinges, in an order that may be another one."""
+        counts = self.count, self.springs, self.hinges
+        return mass_spring(self.points, springs, hinges, self.air.drag, counts, self._gravity, self.air.wind)
 
     @property
     def alone(self) -> bool:
@@ -86,7 +105,11 @@ class AirDrag:
         self.present = air is not None
         room = mesh.count if self.present else 1
         nothing = np.zeros(room)
-        self.drag = Drag(face=vectors(np.zeros((room, 3))), drag_across=numbers(nothing), drag_along=numbers(nothing))
+        self.drag = Drag(
+            cloth_normal=vectors(np.zeros((room, 3))),
+            drag_across=numbers(nothing),
+            drag_along=numbers(nothing),
+        )
         self.wind = vec3(*(air.wind if air else (0.0, 0.0, 0.0)))
         self.bytes = 8 * 5 * room
         if air:

@@ -1,4 +1,4 @@
-"""Where held points are led."""
+"""Where held points are to be."""
 
 import taichi as ti
 
@@ -6,7 +6,7 @@ from sim.device.double import Integers, Vectors
 
 
 @ti.kernel
-def put(count: ti.i32, points: Integers, aims: Vectors, place: Vectors):
-    """Write the `aims` [m] of so many points to their rows of `place`."""
+def put(count: ti.i32, points: Integers, targets: Vectors, place: Vectors):
+    """Write the `targets` [m] of so many points to their rows of `place`."""
     for k in range(count):
-        place[points[k]] = aims[k]
+        place[points[k]] = targets[k]

@@ -1,4 +1,4 @@
-"""Which mass points are held, and where pins lead them."""
+"""Which mass points are held, and where pins take them."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from sim.cloth.spec import ClothSheet, Pin
 
 
 @dataclass(frozen=True)
-class Lead:
-    """Points that are led together; `placed` is where they were placed [m], shape [n, 3]."""
+class MovedPoints:
+    """Points that a pin moves together; `placed` is where they were placed [m], shape [n, 3]."""
 
     points: np.ndarray
     placed: np.ndarray
@@ -30,7 +30,7 @@ class Lead:
         """The greatest speed of a point at any time [m/s]."""
         return self.motion.fastest(float(np.linalg.norm(self.placed - self.motion.pivot, axis=1).max()))
 
-    def shifted(self, start: int) -> Lead:
+    def shifted(self, start: int) -> MovedPoints:
         """The same points in a mesh that numbers the sheet's from `start` on."""
         return replace(self, points=self.points + start)
 
@@ -39,10 +39,10 @@ ELSEWHERE = 1e-3
 """A pin may not take points by more than this share of their sheet's size at once."""
 
 
-def refuse_jump(sheet: str, lead: Lead, position: np.ndarray, size: float, time: float) -> None:
-    """Raise Refused where points that are led and are at `position` [m], shape [n, 3], would be elsewhere at once;
+def refuse_jump(sheet: str, moved: MovedPoints, position: np.ndarray, size: float, time: float) -> None:
+    """Raise Refused where points that a pin moves and are at `position` [m], shape [n, 3], would be elsewhere at once;
     size: of their sheet [m]."""
-    jump = float(np.linalg.norm(lead.at(time) - position, axis=1).max())
+    jump = float(np.linalg.norm(moved.at(time) - position, axis=1).max())
     if jump > ELSEWHERE * size:
         raise Refused(
             f"a pin would take points {jump:.3g} m elsewhere at once at {time:g} s",
@@ -51,24 +51,24 @@ def refuse_jump(sheet: str, lead: Lead, position: np.ndarray, size: float, time:
         )
 
 
-def find_pins(sheet: ClothSheet, fabric: Fabric) -> tuple[np.ndarray, list[Lead]]:
-    """Whether each point is held, and those of them that are led; raises Refused, located within the sheet."""
+def find_pins(sheet: ClothSheet, fabric: Fabric) -> tuple[np.ndarray, list[MovedPoints]]:
+    """Whether each point is held, and those of them that are moved; raises Refused, located within the sheet."""
     held = np.zeros(len(fabric.points), bool)
-    leads: list[Lead] = []
+    moved: list[MovedPoints] = []
     for index, pin in enumerate(sheet.pins):
         pin = Pin(at=pin) if isinstance(pin, str) else pin
         points = fabric.sides[pin.at] if isinstance(pin.at, str) else _next_to(fabric, pin, index)
-        led = np.intersect1d(points, np.concatenate([[-1], *(lead.points for lead in leads)]))
-        if len(led):
+        twice = np.intersect1d(points, np.concatenate([[-1], *(other.points for other in moved)]))
+        if len(twice):
             raise Refused(
-                f"a point at {np.round(fabric.points[int(led[0])], 3).tolist()} is led by another pin already",
+                f"a point at {np.round(fabric.points[int(twice[0])], 3).tolist()} is led by another pin already",
                 location=("pins", index),
                 remedy="let each point be led by one pin only",
             )
         held[points] = True
         if pin.keyframes or any(pin.velocity) or any(pin.angular_velocity):
-            leads.append(Lead(points, fabric.points[points], _motion(pin, fabric.points[points].mean(axis=0))))
-    return held, leads
+            moved.append(MovedPoints(points, fabric.points[points], _motion(pin, fabric.points[points].mean(axis=0))))
+    return held, moved
 
 
 def _next_to(fabric: Fabric, pin: Pin, index: int) -> np.ndarray:
@@ -93,7 +93,7 @@ def _motion(pin: Pin, middle: np.ndarray) -> Prescribed:
         SimpleNamespace(at=key.at, position=middle + np.array(key.offset), rotation=key.rotation)
         for key in pin.keyframes
     ]
-    led = SimpleNamespace(
+    body = SimpleNamespace(
         position=keys[0].position if keys else middle,
         rotation=keys[0].rotation if keys else (),
         velocity=pin.velocity,
@@ -101,7 +101,7 @@ def _motion(pin: Pin, middle: np.ndarray) -> Prescribed:
         start=0.0,
         keyframes=keys,
     )
-    motion = Prescribed(led)
+    motion = Prescribed(body)
     # Offsets and turns are from where the points were placed, whatever the first keyframe says.
     motion.pivot, motion.turn = middle, np.eye(3)
     return motion

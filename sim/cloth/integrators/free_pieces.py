@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import taichi as ti
 
-from sim.cloth.contact.collision import Known
-from sim.cloth.contact.search import PLANE
+from sim.cloth.contact.contact_set import ContactSet
+from sim.cloth.contact.detection.search import PLANE
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.free_fall import OTHERS
 from sim.geometry.components import groups
@@ -28,13 +28,13 @@ class FreePieces:
         self.free = 1.0 - self._held[self._piece]
         self.any = not self._held.all()
 
-    def push(self, contacts: Known, force: ti.Ndarray) -> np.ndarray | None:
+    def push(self, contacts: ContactSet, force: ti.Ndarray) -> np.ndarray | None:
         """The acceleration [m/s^2] that forces left on points [N] are for all that is adrift and touches nothing else,
         0 elsewhere, shape [points, 3]; None where nothing is."""
         system, alone = self._systems(contacts)
         return np.where(alone, self._mean(system, force.to_numpy()[: self._count]), 0.0) if alone.any() else None
 
-    def falling(self, contacts: Known, gravity: np.ndarray, change: np.ndarray) -> np.ndarray | None:
+    def falling(self, contacts: ContactSet, gravity: np.ndarray, change: np.ndarray) -> np.ndarray | None:
         """To which share all that is adrift and touches nothing else falls freely, by the change of the velocities of
         points in a step over its length [m/s^2], shape [points, 3]; 0 elsewhere, shape [points, 1]. None where nothing
         falls."""
@@ -48,7 +48,7 @@ class FreePieces:
         share = np.where(alone, np.maximum(1.0 - others / (OTHERS * g), 0.0), 0.0)
         return share if share.any() else None
 
-    def _systems(self, contacts: Known) -> tuple[np.ndarray, np.ndarray]:
+    def _systems(self, contacts: ContactSet) -> tuple[np.ndarray, np.ndarray]:
         """Of points, the system of pieces that touch one another, shape [points], and whether it is adrift and touches
         nothing else, shape [points, 1]."""
         fixed, corners = self._held.copy(), contacts.key[:, 1:]

@@ -15,22 +15,22 @@ from sim.cloth.contact.collision import Collisions
 from sim.cloth.fabric.arrays import integers, numbers
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.fabric.pin_places import put
-from sim.cloth.integrators import newton_sums
 from sim.cloth.integrators.backward_differences import BackwardDifferences
 from sim.cloth.integrators.free_pieces import FreePieces
-from sim.cloth.integrators.newton import Newton
+from sim.cloth.integrators.newton import trial as trials
+from sim.cloth.integrators.newton.solver import Newton
 from sim.cloth.spec import Cloth
 from sim.device.double import vec3
 
 INERTIAS = 16.0
-"""Stiffness with which contacts are looked for, over the inertia of their points in a step. Springs are much stiffer:
+"""Contact stiffness over the inertia of their points in a step. Springs are much stiffer:
 with their stiffness, contacts that close and open would decide how many steps Newton's method takes."""
 SINKING = 0.05
-"""Shares of the thickness that known forces may let contacts sink in: where that asks for more stiffness, but not for
+"""Shares of the thickness that multipliers may let contacts sink in: where that asks for more stiffness, but not for
 more than SPRINGS times that of the cloth there."""
 SPRINGS = 10.0
 SUNK = 0.25
-"""With more of these, their forces are taken for known, and all is solved again."""
+"""With more of these, multipliers are updated, and all is solved again."""
 SUNK_BY_BODIES = 0.001
 """Where bodies lie on cloth: what is left of an error there goes on into the next step as their speed."""
 ROUNDS = 12
@@ -88,10 +88,10 @@ class ImplicitEuler:
             return
         self._begin(dt, 1.0, 0.0, dt)
         if self._pushed:
-            newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
+            trials.add_load(self.mesh.count, dt, self.mesh.points, load, self.trial)
         self.collisions.find(self._start, self.trial.place)
-        self._carry(self.collisions.loose.places)
-        self._told, self._rounds = np.zeros(3, int), 0
+        self._carry(self.collisions.bodies.places)
+        self._counts, self._rounds = np.zeros(3, int), 0
         self._part(dt)
 
     def _foresee_alone(self, dt: float) -> bool:
@@ -99,7 +99,7 @@ class ImplicitEuler:
         if self.collisions.count or not self.past.serves(dt):
             return False
         self._begin(dt, *self.past.weights(dt))
-        self._told, self._rounds = self._newton.converge(self._since), 1
+        self._counts, self._rounds = self._newton.converge(self._since), 1
         self._keep_momentum(self._since)
         return not (self.collisions.count or self.collisions.find(self._start, self.trial.place, add=False))
 
@@ -108,52 +108,37 @@ class ImplicitEuler:
         start."""
         mesh, trial, past = self.mesh, self.trial, self.past
         self._since = since
-        turning = newton_sums.begin(
-            mesh.count,
-            mesh.total,
-            mesh.springs,
-            mesh.hinges,
-            since,
-            self.gravity,
-            # What touches something is at rest more often than it falls.
-            self._rests if self.collisions.count else self._falls,
-            now,
-            ago,
-            past.position,
-            past.velocity,
-            mesh.points,
-            mesh.strands,
-            mesh.angles,
-            trial,
-        )
+        # What touches something is at rest more often than it falls.
+        falls = self._rests if self.collisions.count else self._falls
+        turning = trials.begin(mesh.total, since, falls, now, ago, past.position, past.velocity, mesh.model, trial)
         if turning:
             # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
-            newton_sums.stay(mesh.count, mesh.points, trial)
+            trials.stay(mesh.count, mesh.points, trial)
         self.collisions.begin(self._start, dt)
-        self._carry(self.collisions.loose.moved())
+        self._carry(self.collisions.bodies.moved())
 
     def change(self, dt: float, load: ti.Ndarray) -> None:
-        """Let forces on points [N] act besides those foreseen, and look where that takes them."""
-        newton_sums.load_on(self.mesh.count, dt, self.mesh.points, load, self.trial)
-        if self.collisions.loose.count:
+        """Let forces on points [N] act besides those predicted, and look where that takes them."""
+        trials.add_load(self.mesh.count, dt, self.mesh.points, load, self.trial)
+        if self.collisions.bodies.count:
             self.collisions.begin_again()
         self._part(dt)
 
     def linearize(self, dt: float) -> None:
-        """Find how points give way to forces where they are foreseen."""
+        """Find how points give way to forces where they are predicted."""
         self._newton.linearize(dt)
 
     def respond(self, load: ti.Ndarray) -> ti.Ndarray:
-        """By what ways [m] points give way to forces [N] that act in the step, by `linearize`."""
+        """By what displacements [m] points give way to forces [N] that act in the step, by `linearize`."""
         return self._newton.respond(load, GIVING_WAY)
 
     def commit(self, dt: float) -> dict[str, float]:
-        """Take the step to where it was foreseen; returns the STATISTICS."""
+        """Take the step to where it was predicted; returns the STATISTICS."""
         mesh, trial, collisions = self.mesh, self.trial, self.collisions
         back = self._fall_back(dt)
         held_back, stuck = collisions.hold_back(self._start, trial.place)
         collisions.end()
-        steps, iterations, capped = self._told.tolist()
+        steps, iterations, capped = self._counts.tolist()
         values = (
             steps,
             iterations,
@@ -165,11 +150,11 @@ class ImplicitEuler:
             int(self._newton.left > UNSOLVED),
         )
         past = self.past
-        newton_sums.finish(mesh.count, mesh.total, dt, self._since, past.position, past.velocity, mesh.points, trial)
+        trials.finish(mesh.count, mesh.total, dt, self._since, past.position, past.velocity, mesh.points, trial)
         # Differences over two steps would let what pushed in the first act on in the second.
         past.step = 0.0 if collisions.count or held_back or self._pushed else dt
         if back is not None:
-            newton_sums.quicken(mesh.count, -dt, back, mesh.points)
+            trials.accelerate(mesh.count, -dt, back, mesh.points)
         return dict(zip(self.STATISTICS, values, strict=True))
 
     def _fall_back(self, dt: float) -> np.ndarray | None:
@@ -182,11 +167,11 @@ class ImplicitEuler:
         before, start, place = (
             array.to_numpy()[: mesh.count] for array in (mesh.points.velocity, self._start, trial.place)
         )
-        share = self._adrift.falling(self.collisions.known, gravity, ((place - start) / dt - before) / dt)
+        share = self._adrift.falling(self.collisions.contacts, gravity, ((place - start) / dt - before) / dt)
         if share is None:
             return None
         back = -0.5 * share * gravity
-        newton_sums.shift(mesh.count, dt, back, trial)
+        trials.shift(mesh.count, dt, back, trial)
         self.collisions.find(self._start, trial.place, add=False)
         return back
 
@@ -195,27 +180,27 @@ class ImplicitEuler:
         collisions, trial = self.collisions, self.trial
         for rounds in range(1, ROUNDS + 1):
             self._rounds += 1
-            collisions.harden(dt, INERTIAS, SPRINGS, SINKING)
-            self._told += self._newton.converge(dt)
+            collisions.set_stiffness(dt, INERTIAS, SPRINGS, SINKING)
+            self._counts += self._newton.converge(dt)
             self._keep_momentum(dt)
-            self._carry(collisions.loose.moved())
-            astray = collisions.astray(SUNK_BY_BODIES if collisions.borne > 0 else SUNK, trial.place)
-            if astray:
-                collisions.learn()
-            if not (collisions.find(self._start, trial.place, add=rounds < ROUNDS) or astray):
+            self._carry(collisions.bodies.moved())
+            violated = collisions.violations(SUNK_BY_BODIES if collisions.borne > 0 else SUNK, trial.place)
+            if violated:
+                collisions.update_multipliers()
+            if not (collisions.find(self._start, trial.place, add=rounds < ROUNDS) or violated):
                 break
-            self._carry(collisions.loose.places)
+            self._carry(collisions.bodies.places)
 
     def _carry(self, places: np.ndarray) -> None:
         """Put points of solids to places [m], where bodies may take them."""
-        if self.collisions.loose.count:
+        if self.collisions.bodies.count:
             put(len(places), self._solids, places, self.trial.place)
 
     def _keep_momentum(self, dt: float) -> None:
         """Move what is adrift by what forces left on it as a whole would."""
-        push = self._adrift.push(self.collisions.known, self._newton.force)
+        push = self._adrift.push(self.collisions.contacts, self._newton.force)
         if push is not None:
-            newton_sums.shift(self.mesh.count, dt, push, self.trial)
+            trials.shift(self.mesh.count, dt, push, self.trial)
 
     @property
     def bytes(self) -> int:

@@ -10,12 +10,13 @@ import math
 
 import numpy as np
 
-from sim.cloth.contact import projection
+from sim.cloth.contact import projection_with_bodies
 from sim.cloth.contact.collision import Collisions
 from sim.cloth.fabric.arrays import integers, matrices, numbers, vectors
-from sim.cloth.fabric.layout import Pace, Way
+from sim.cloth.fabric.layout import StepMotion
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.fabric.pin_places import put
+from sim.cloth.integrators import small_step_sums
 from sim.cloth.integrators.free_pieces import FreePieces
 from sim.device.double import vec3
 
@@ -25,9 +26,9 @@ SWEEPS, MOST_SWEEPS = 4, 1024
 """Of Jacobi's method in a small step: four times as many where something would pass through, and again."""
 BEARING = 4.0
 """Sweeps for each mass of a point that a contact has to bear."""
-AHEAD = 1.15
-"""Pairs that are foreseen to come nearer than this share of their thickness are looked after from the start."""
-PROMPT = 3.0
+PREDICTED = 1.15
+"""Pairs that are predicted to come nearer than this share of their thickness are looked after from the start."""
+RECOVERY = 3.0
 """What a limit lacks is made up for e^-3 short of the whole in a step."""
 
 
@@ -46,21 +47,19 @@ class SmallSteps:
         self.gravity = vec3(*gravity)
         self.collisions = collisions
         self._adrift = FreePieces(mesh)
-        self._rows = 2 * collisions.loose.count
-        self.displacement = Way(
+        self._rows = 2 * collisions.bodies.count
+        self.motion = StepMotion(
             start=vectors(np.zeros((mesh.total, 3))),
             before=vectors(np.zeros((mesh.count, 3))),
-            aims=mesh.place,
-            shares=numbers(np.zeros(mesh.count)),
-        )
-        self._pace = Pace(
-            body_gives=matrices(self._rows),
-            body_speed=vectors(np.zeros((self._rows, 3))),
-            body_shares=numbers(np.zeros(self._rows)),
+            target=mesh.place,
+            active_contacts=numbers(np.zeros(mesh.count)),
+            body_mobility=matrices(self._rows),
+            body_velocity=vectors(np.zeros((self._rows, 3))),
+            body_active_contacts=numbers(np.zeros(self._rows)),
         )
         self._solids = integers(np.arange(mesh.count, mesh.total))
         self.sweeps = SWEEPS
-        self._speed, self._ahead = (vectors(np.zeros((mesh.total, 3))) for _ in range(2))
+        self._velocity, self._ahead = (vectors(np.zeros((mesh.total, 3))) for _ in range(2))
 
     def substeps(self, dt: float) -> int:
         """How many small steps a step of dt [s] takes."""
@@ -72,25 +71,25 @@ class SmallSteps:
 
     def advance(self, dt: float) -> dict[str, float]:
         """Step by dt [s]; returns the STATISTICS."""
-        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.displacement.start
+        mesh, collisions, points, start = self.mesh, self.collisions, self.mesh.points, self.motion.start
         number = self.substeps(dt)
-        projection.remember(mesh.total, dt, points, self._speed, self._ahead, self.displacement)
+        small_step_sums.remember(mesh.total, dt, points, self._velocity, self._ahead, self.motion)
         collisions.begin(start, dt)
-        collisions.find(start, self._ahead, AHEAD)
-        self.sweeps = self._enough()
-        projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
+        collisions.find(start, self._ahead, PREDICTED)
+        self.sweeps = self._needed_sweeps()
+        small_step_sums.rest_bodies(self._rows, dt, collisions.bodies.tables, self.motion)
         for rounds in range(1, ROUNDS + 1):
-            projection.forget(collisions.count, collisions.touches)
+            small_step_sums.clear_forces(collisions.count, collisions.projected)
             self.run(dt / number, number)
-            projection.carry_solids(mesh.count, mesh.total, dt, points, self.displacement)
+            small_step_sums.carry_solids(mesh.count, mesh.total, dt, points, self.motion)
             self._carry_bodies()
             if not collisions.find(start, points.position, add=rounds < ROUNDS):
                 if not len(collisions.narrow) or self.sweeps >= MOST_SWEEPS:
                     break
                 self.sweeps *= 4
             if rounds < ROUNDS:
-                projection.put_back(mesh.total, points, self._speed, self.displacement)
-                projection.stand(self._rows, dt, collisions.loose.tables, self._pace)
+                small_step_sums.put_back(mesh.total, points, self._velocity, self.motion)
+                small_step_sums.rest_bodies(self._rows, dt, collisions.bodies.tables, self.motion)
         self._fall_back(dt, number)
         held_back, stuck = collisions.hold_back(start, points.position, points.velocity)
         collisions.end()
@@ -101,27 +100,26 @@ class SmallSteps:
         if not self._adrift.any:
             return
         points, count, gravity = self.mesh.points, self.mesh.count, np.array(self.gravity)
-        before, after = (array.to_numpy()[:count] for array in (self._speed, points.velocity))
-        share = self._adrift.falling(self.collisions.known, gravity, (after - before) / dt)
+        before, after = (array.to_numpy()[:count] for array in (self._velocity, points.velocity))
+        share = self._adrift.falling(self.collisions.contacts, gravity, (after - before) / dt)
         if share is not None:
-            projection.shift(count, -0.5 * share * gravity * dt * dt / number, points)
-            self.collisions.find(self.displacement.start, points.position, add=False)
+            small_step_sums.shift(count, -0.5 * share * gravity * dt * dt / number, points)
+            self.collisions.find(self.motion.start, points.position, add=False)
 
-    def keep_apart(self, dt: float, number: int, left: int) -> None:
+    def project_contacts(self, dt: float, number: int, left: int) -> None:
         """Let contacts hold in one of so many small steps of dt [s]."""
-        mesh, collisions, loose = self.mesh, self.collisions, self.collisions.loose
+        mesh, collisions, bodies = self.mesh, self.collisions, self.collisions.bodies
         sizes, sweeps = (mesh.count, self._rows, collisions.count), self.sweeps if collisions.count else 0
-        shared, prompt = (mesh.points, collisions.touches, loose.tables), self.prompt(number)
-        tables = *shared, loose.holds, self._pace, self.displacement
+        tables, recovery = (mesh.points, collisions.projected, bodies.tables, self.motion), self.recovery(number)
         if mesh.alone and self._rows:
-            projection.keep_bodies_apart_alone(*sizes, sweeps, number, left, dt, prompt, *tables)
+            projection_with_bodies.project_bodies_alone(*sizes, sweeps, number, left, dt, recovery, *tables)
         elif collisions.count or self._rows:
-            projection.recall(*sizes, number, left, dt, prompt, *tables)
+            projection_with_bodies.begin(*sizes, number, left, dt, recovery, *tables)
             for _ in range(sweeps):
-                projection.sweep(*sizes, number, left, dt, *tables)
-            projection.end(*sizes, number, dt, *shared, self._pace, self.displacement)
+                projection_with_bodies.sweep(*sizes, number, left, dt, *tables)
+            projection_with_bodies.end(*sizes, number, dt, *tables)
 
-    def _enough(self) -> int:
+    def _needed_sweeps(self) -> int:
         """Sweeps of a small step: forces that go on from one to the next follow what is sunk, and come too late for the
         mass that they bear where sweeps do not bring up as much inertia."""
         borne = self.collisions.borne
@@ -133,13 +131,13 @@ class SmallSteps:
     def _carry_bodies(self) -> None:
         """Put points of bodies to where these have gone."""
         if self._rows:
-            places = self.collisions.loose.moved()
+            places = self.collisions.bodies.moved()
             put(len(places), self._solids, places, self.mesh.points.position)
 
     @staticmethod
-    def prompt(number: int) -> float:
+    def recovery(number: int) -> float:
         """Of what a limit lacks, the share that one of so many small steps makes up for."""
-        return min(1.0, PROMPT / number)
+        return min(1.0, RECOVERY / number)
 
     @property
     def alone(self) -> bool:

@@ -16,7 +16,7 @@ from sim.cloth.fabric.arrays import numbers, vectors
 from sim.cloth.fabric.mesh import ClothMesh, Elastic, fold
 from sim.cloth.integrators import symplectic_euler_sums
 from sim.cloth.integrators.small_steps import SmallSteps
-from sim.cloth.integrators.symplectic_euler_sums import Workspace
+from sim.cloth.integrators.symplectic_euler_sums import ElementForces
 from sim.cloth.spec import Cloth
 
 MOST_SUBSTEPS = 20_000
@@ -27,10 +27,10 @@ class SymplecticEuler(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
         self.stable = self.stable_step(mesh, settings)
-        self._workspace = Workspace(
-            pull=vectors(np.zeros((mesh.springs, 3))),
-            bending=numbers(np.zeros(mesh.hinges)),
-            leaning=vectors(np.zeros((4 * mesh.hinges, 3))),
+        self._elements = ElementForces(
+            tension=vectors(np.zeros((mesh.springs, 3))),
+            moment=numbers(np.zeros(mesh.hinges)),
+            angle_gradient=vectors(np.zeros((4 * mesh.hinges, 3))),
         )
 
     @staticmethod
@@ -60,25 +60,17 @@ class SymplecticEuler(SmallSteps):
                 mesh.air.present,
                 number,
                 number - step,
-                mesh.count,
-                mesh.springs,
-                mesh.hinges,
                 contacts.count,
                 self.sweeps,
                 dt,
-                self.prompt(number),
-                self.gravity,
-                mesh.air.wind,
-                mesh.points,
-                mesh.strands,
-                mesh.angles,
-                mesh.air.drag,
-                self._workspace,
-                contacts.touches,
-                self.displacement,
+                self.recovery(number),
+                mesh.model,
+                self._elements,
+                contacts.projected,
+                self.motion,
             )
             if not alone:
-                self.keep_apart(dt, number, number - step)
+                self.project_contacts(dt, number, number - step)
 
     @property
     def bytes(self) -> int:
@@ -87,14 +79,14 @@ class SymplecticEuler(SmallSteps):
 
 def longest_step(mesh: Elastic) -> float:
     """The longest stable step [s]; infinite without stiffness or free points."""
-    stiff = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
-    damped = _row_sums(mesh, mesh.damping, mesh.bend_damping)
-    free = ~mesh.held & (stiff > 0)
+    stiffness = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
+    damping = _row_sums(mesh, mesh.damping, mesh.bend_damping)
+    free = ~mesh.held & (stiffness > 0)
     if not free.any():
         return math.inf
-    frequency = float(np.sqrt((stiff / mesh.mass)[free]).max())
+    frequency = float(np.sqrt((stiffness / mesh.mass)[free]).max())
     # The damping ratio of a mode of that frequency.
-    ratio = float((damped / mesh.mass)[free].max()) / (2 * frequency)
+    ratio = float((damping / mesh.mass)[free].max()) / (2 * frequency)
     return 2 / frequency * (math.sqrt(1 + ratio**2) - ratio)
 
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from sim.cloth.contact.collision import Collisions
-from sim.cloth.fabric.arrays import angle_arrays, numbers, strand_arrays
+from sim.cloth.fabric.arrays import hinge_arrays, numbers, spring_arrays
 from sim.cloth.fabric.coloring import colored
-from sim.cloth.fabric.layout import Angles, Strands
+from sim.cloth.fabric.layout import Hinges, Springs
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.integrators import xpbd_sums
 from sim.cloth.integrators.small_steps import SmallSteps
-from sim.cloth.integrators.xpbd_sums import Guess
+from sim.cloth.integrators.xpbd_sums import Multipliers
 from sim.cloth.spec import Cloth
 
 
@@ -24,22 +24,23 @@ class XPBD(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
         self.settings = settings.integrator_settings
-        self._guess = Guess(
-            pulled=numbers(np.zeros(mesh.springs)),
-            bent=numbers(np.zeros(mesh.hinges)),
+        self._multipliers = Multipliers(
+            spring_multiplier=numbers(np.zeros(mesh.springs)),
+            hinge_multiplier=numbers(np.zeros(mesh.hinges)),
         )
         order, self._spring_colors = colored(mesh.ends, mesh.count)
-        self._strands: Strands = strand_arrays(
+        self._springs: Springs = spring_arrays(
             mesh.ends[order], mesh.rest[order], mesh.stiffness[order], mesh.damping[order], mesh.count
         )
         order, self._hinge_colors = colored(mesh.corners, mesh.count)
-        self._angles: Angles = angle_arrays(
+        self._hinges: Hinges = hinge_arrays(
             mesh.corners[order],
             mesh.rest_angle[order],
             mesh.rigidity[order],
             mesh.bend_damping[order],
             mesh.count,
         )
+        self._model = mesh.as_model(self._springs, self._hinges)
 
     def limits(self) -> dict[str, float]:
         """Largest steps [s] by what limits them: none."""
@@ -58,26 +59,18 @@ class XPBD(SmallSteps):
             mesh.air.present,
             number,
             self.settings.iterations,
-            mesh.count,
-            mesh.springs,
-            mesh.hinges,
             contacts.count,
             self.sweeps,
             dt,
-            self.prompt(number),
-            self.gravity,
-            mesh.air.wind,
-            mesh.points,
-            self._strands,
-            self._angles,
-            mesh.air.drag,
-            self._guess,
-            contacts.touches,
-            self.displacement,
+            self.recovery(number),
+            self._model,
+            self._multipliers,
+            contacts.projected,
+            self.motion,
         )
 
     def _substep(self, dt: float, number: int, left: int) -> None:
-        mesh, guess, displacement = self.mesh, self._guess, self.displacement
+        mesh, multipliers, motion = self.mesh, self._multipliers, self.motion
         xpbd_sums.predict(
             mesh.air.present,
             mesh.count,
@@ -89,16 +82,16 @@ class XPBD(SmallSteps):
             mesh.air.wind,
             mesh.points,
             mesh.air.drag,
-            guess,
-            displacement,
+            multipliers,
+            motion,
         )
         for _ in range(self.settings.iterations):
             for first, last in self._spring_colors:
-                xpbd_sums.project_springs(first, last, dt, mesh.points, self._strands, guess, displacement)
+                xpbd_sums.project_springs(first, last, dt, mesh.points, self._springs, multipliers, motion)
             for first, last in self._hinge_colors:
-                xpbd_sums.project_hinges(first, last, dt, mesh.points, self._angles, guess, displacement)
-        self.keep_apart(dt, number, left)
-        xpbd_sums.finish(mesh.count, dt, mesh.points, displacement)
+                xpbd_sums.project_hinges(first, last, dt, mesh.points, self._hinges, multipliers, motion)
+        self.project_contacts(dt, number, left)
+        xpbd_sums.finish(mesh.count, dt, mesh.points, motion)
 
     @property
     def bytes(self) -> int:

@@ -4,27 +4,35 @@ from typing import Any
 
 import taichi as ti
 
-from sim.cloth.contact.projection import keep_apart_alone, mobility
+from sim.cloth.contact.projection import mobility, project_alone
 from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.bending import fold, turned
-from sim.cloth.fabric.layout import Angles, Drag, Points, Strands, Touches, Way
+from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Points, ProjectedContacts, Springs, StepMotion
 from sim.cloth.fabric.springs import line
 from sim.device.double import Numbers, vec3
 
-Guess: Any = ti.types.argpack(pulled=Numbers, bent=Numbers)
+Multipliers: Any = ti.types.argpack(spring_multiplier=Numbers, hinge_multiplier=Numbers)
 """Multipliers of springs and hinges."""
 
 
 @ti.func
-def _change(dt: ti.f64, over: ti.f64, since: ti.f64, stiff: ti.f64, damp: ti.f64, had: ti.f64, ease: ti.f64):
-    """Of a multiplier: Macklin et al. 2016, eq. 26, times the stiffness."""
+def _change(
+    dt: ti.f64,
+    over: ti.f64,
+    since: ti.f64,
+    stiffness: ti.f64,
+    damping: ti.f64,
+    multiplier: ti.f64,
+    inverse_mass: ti.f64,
+):
+    """Of a multiplier: Macklin et al. 2016, eq. 26, times the stiffness; `inverse_mass`: grad C M^-1 grad C [1/kg]."""
     soft = 1.0 / (dt * dt)
-    slow = damp / dt
-    return -(stiff * over + soft * had + slow * since) / ((stiff + slow) * ease + soft)
+    slow = damping / dt
+    return -(stiffness * over + soft * multiplier + slow * since) / ((stiffness + slow) * inverse_mass + soft)
 
 
 @ti.func
-def _foresee(
+def _predict(
     airy: ti.template(),
     i: ti.i32,
     dt: ti.f64,
@@ -33,45 +41,57 @@ def _foresee(
     wind: vec3,
     p: ti.template(),
     d: ti.template(),
-    w: ti.template(),
+    motion: ti.template(),
 ):
-    """Where a point would go without springs; `left`: substeps to the time at which held points are at their aims."""
+    """Where a point would go without springs; `left`: substeps until held points are at their targets."""
     x = p.position[i]
-    w.before[i] = x
+    motion.before[i] = x
     if p.mobile[i]:
         v = p.velocity[i] + dt * gravity
         if ti.static(airy):
             v = braked(i, p.mass[i], dt, p.mass[i] * v, wind, d)
         p.position[i] = x + dt * v
     else:
-        p.position[i] = x + (w.aims[i] - x) / ti.cast(left, ti.f64)
+        p.position[i] = x + (motion.target[i] - x) / ti.cast(left, ti.f64)
 
 
 @ti.func
-def _project_spring(k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), g: ti.template(), w: ti.template()):
-    one, other = s.ends[2 * k], s.ends[2 * k + 1]
+def _project_spring(
+    k: ti.i32, dt: ti.f64, p: ti.template(), s: ti.template(), multipliers: ti.template(), motion: ti.template()
+):
+    one, other = s.spring_ends[2 * k], s.spring_ends[2 * k + 1]
     along, length = line(p.position[one], p.position[other])
     a, b = mobility(p, one), mobility(p, other)
-    since = along.dot((p.position[one] - w.before[one]) - (p.position[other] - w.before[other]))
-    change = _change(dt, length - s.rest[k], since, s.stiff[k], s.damp[k], g.pulled[k], a + b)
-    g.pulled[k] += change
+    since = along.dot((p.position[one] - motion.before[one]) - (p.position[other] - motion.before[other]))
+    change = _change(
+        dt,
+        length - s.rest_length[k],
+        since,
+        s.spring_stiffness[k],
+        s.spring_damping[k],
+        multipliers.spring_multiplier[k],
+        a + b,
+    )
+    multipliers.spring_multiplier[k] += change
     # Macklin et al. 2016, eq. 17
     p.position[one] += a * change * along
     p.position[other] -= b * change * along
 
 
 @ti.func
-def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g: ti.template(), w: ti.template()):
-    i, j, m, n = a.corners[4 * k], a.corners[4 * k + 1], a.corners[4 * k + 2], a.corners[4 * k + 3]
+def _project_hinge(
+    k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), multipliers: ti.template(), motion: ti.template()
+):
+    i, j, m, n = a.hinge_points[4 * k], a.hinge_points[4 * k + 1], a.hinge_points[4 * k + 2], a.hinge_points[4 * k + 3]
     hinge = fold(p.position[i], p.position[j], p.position[m], p.position[n])
     wi, wj, wm, wn = mobility(p, i), mobility(p, j), mobility(p, m), mobility(p, n)
-    ease = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
-    ease += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
-    since = hinge.p.dot(p.position[i] - w.before[i]) + hinge.q.dot(p.position[j] - w.before[j])
-    since += hinge.r.dot(p.position[m] - w.before[m]) + hinge.s.dot(p.position[n] - w.before[n])
+    inverse_mass = wi * hinge.p.norm_sqr() + wj * hinge.q.norm_sqr()
+    inverse_mass += wm * hinge.r.norm_sqr() + wn * hinge.s.norm_sqr()
+    since = hinge.p.dot(p.position[i] - motion.before[i]) + hinge.q.dot(p.position[j] - motion.before[j])
+    since += hinge.r.dot(p.position[m] - motion.before[m]) + hinge.s.dot(p.position[n] - motion.before[n])
     over = turned(hinge.angle, a.rest_angle[k])
-    change = _change(dt, over, since, a.rigid[k], a.bend_damp[k], g.bent[k], ease)
-    g.bent[k] += change
+    change = _change(dt, over, since, a.rigidity[k], a.bend_damping[k], multipliers.hinge_multiplier[k], inverse_mass)
+    multipliers.hinge_multiplier[k] += change
     # Macklin et al. 2016, eq. 17
     p.position[i] += wi * change * hinge.p
     p.position[j] += wj * change * hinge.q
@@ -83,41 +103,44 @@ def _project_hinge(k: ti.i32, dt: ti.f64, p: ti.template(), a: ti.template(), g:
 def substeps_alone(
     airy: ti.template(),
     number: ti.i32,
+    iterations: ti.i32,
+    contact_count: ti.i32,
     sweeps: ti.i32,
-    points: ti.i32,
-    springs: ti.i32,
-    hinges: ti.i32,
-    touches: ti.i32,
-    projections: ti.i32,
     dt: ti.f64,
-    prompt: ti.f64,
-    gravity: vec3,
-    wind: vec3,
-    p: Points,
-    s: Strands,
-    a: Angles,
-    d: Drag,
-    g: Guess,
-    touch: Touches,
-    w: Way,
+    recovery: ti.f64,
+    cloth: MassSpring,
+    multipliers: Multipliers,
+    contacts: ProjectedContacts,
+    motion: StepMotion,
 ):
-    """All substeps of a step, on one thread."""
+    """All substeps of a step, on one thread: so many `iterations` over springs and hinges, `sweeps` over contacts."""
     ti.loop_config(serialize=True)
     for now in range(number):
-        for i in range(points):
-            _foresee(airy, i, dt, number - now, gravity, wind, p, d, w)
-        for k in range(springs):
-            g.pulled[k] = 0.0
-        for k in range(hinges):
-            g.bent[k] = 0.0
-        for _sweep in range(sweeps):
-            for k in range(springs):
-                _project_spring(k, dt, p, s, g, w)
-            for k in range(hinges):
-                _project_hinge(k, dt, p, a, g, w)
-        keep_apart_alone(points, touches, projections, number, number - now, dt, prompt, p, touch, w)
-        for i in range(points):
-            p.velocity[i] = (p.position[i] - w.before[i]) / dt
+        for i in range(cloth.point_count):
+            _predict(airy, i, dt, number - now, cloth.gravity, cloth.wind, cloth, cloth, motion)
+        for k in range(cloth.spring_count):
+            multipliers.spring_multiplier[k] = 0.0
+        for k in range(cloth.hinge_count):
+            multipliers.hinge_multiplier[k] = 0.0
+        for _iteration in range(iterations):
+            for k in range(cloth.spring_count):
+                _project_spring(k, dt, cloth, cloth, multipliers, motion)
+            for k in range(cloth.hinge_count):
+                _project_hinge(k, dt, cloth, cloth, multipliers, motion)
+        project_alone(
+            cloth.point_count,
+            contact_count,
+            sweeps,
+            number,
+            number - now,
+            dt,
+            recovery,
+            cloth,
+            contacts,
+            motion,
+        )
+        for i in range(cloth.point_count):
+            cloth.velocity[i] = (cloth.position[i] - motion.before[i]) / dt
 
 
 @ti.kernel
@@ -132,35 +155,39 @@ def predict(
     wind: vec3,
     p: Points,
     d: Drag,
-    g: Guess,
-    w: Way,
+    multipliers: Multipliers,
+    motion: StepMotion,
 ):
-    """Take points to where they would go without springs, held ones on towards their aims, and begin with multipliers
-    of zero."""
+    """Take points to where they would go without springs, held ones on towards their targets, and begin with
+    multipliers of zero."""
     for i in range(points):
-        _foresee(airy, i, dt, left, gravity, wind, p, d, w)
+        _predict(airy, i, dt, left, gravity, wind, p, d, motion)
     for k in range(springs):
-        g.pulled[k] = 0.0
+        multipliers.spring_multiplier[k] = 0.0
     for k in range(hinges):
-        g.bent[k] = 0.0
+        multipliers.hinge_multiplier[k] = 0.0
 
 
 @ti.kernel
-def project_springs(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Strands, g: Guess, w: Way):
+def project_springs(
+    first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, s: Springs, multipliers: Multipliers, motion: StepMotion
+):
     """Solve the springs of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
-        _project_spring(k, dt, p, s, g, w)
+        _project_spring(k, dt, p, s, multipliers, motion)
 
 
 @ti.kernel
-def project_hinges(first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Angles, g: Guess, w: Way):
+def project_hinges(
+    first: ti.i32, last: ti.i32, dt: ti.f64, p: Points, a: Hinges, multipliers: Multipliers, motion: StepMotion
+):
     """Solve the hinges of one colour, `first` up to, without, `last` (Macklin et al. 2016, eq. 17)."""
     for k in range(first, last):
-        _project_hinge(k, dt, p, a, g, w)
+        _project_hinge(k, dt, p, a, multipliers, motion)
 
 
 @ti.kernel
-def finish(points: ti.i32, dt: ti.f64, p: Points, w: Way):
+def finish(points: ti.i32, dt: ti.f64, p: Points, motion: StepMotion):
     """Velocities [m/s] are the ways of a substep over its dt [s]."""
     for i in range(points):
-        p.velocity[i] = (p.position[i] - w.before[i]) / dt
+        p.velocity[i] = (p.position[i] - motion.before[i]) / dt

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.cloth.contact.surfaces import Tree
+from sim.cloth.contact.detection.surfaces import Tree
 from sim.cloth.fabric.arrays import integers, numbers, vectors
 from sim.cloth.model import ClothModel
 from sim.coupling.fluid_cloth import tightness_sums

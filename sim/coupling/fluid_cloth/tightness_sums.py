@@ -4,8 +4,8 @@ from typing import Any
 
 import taichi as ti
 
-from sim.cloth.contact.ccd import time_of_nearness
-from sim.cloth.contact.proximity import point_triangle
+from sim.cloth.contact.detection.ccd import time_of_nearness
+from sim.cloth.contact.detection.proximity import point_triangle
 from sim.device.arrays import Vec4Array, real
 from sim.device.double import Integers, Vectors, vec3
 from sim.neighbors.box_tree import meet, next_node

@@ -120,7 +120,7 @@ class WetCloth:
     def predict(self, dt: float) -> None:
         self._dt = dt
         last = self.cloth.fluid_force
-        self.cloth.aim(dt, self._until, *self._solids(dt))
+        self.cloth.set_targets(dt, self._until, *self._solids(dt))
         self._sum(self._load, self._steady, last)
         self._integrator.predict(dt, self._load)
         self._integrator.linearize(dt)
@@ -163,7 +163,7 @@ class WetCloth:
     def commit(self, dt: float) -> dict[str, float]:
         self._load.copy_from(self._found)
         wet_cloth_sums.shift(self.cloth.mesh.count, -1.0, self.cloth.fluid_force, self._load)
-        self.cloth.aim(dt, self._until, *self._solids(dt))
+        self.cloth.set_targets(dt, self._until, *self._solids(dt))
         self._integrator.change(dt, self._load)
         self.cloth.fluid_force.copy_from(self._found)
         return self._finish(dt)
@@ -171,7 +171,7 @@ class WetCloth:
     def drift(self, dt: float) -> dict[str, float]:
         clear(self._load)
         wet_cloth_sums.shift(self.cloth.mesh.count, 0.5, self.cloth.fluid_force, self._load)
-        self.cloth.aim(dt, self._until, *self._solids(dt))
+        self.cloth.set_targets(dt, self._until, *self._solids(dt))
         self._integrator.predict(dt, self._load)
         return self._finish(dt)
 

@@ -191,7 +191,7 @@ class Floating:
 
     def _lead(self) -> None:
         """Let bodies that the fluid pushes go as particles do: what they do to it and how far they go is then one."""
-        self.rigid.led[self._bodies] = self.rigid.fluid_force[self._bodies].any(axis=1)
+        self.rigid.fluid_driven[self._bodies] = self.rigid.fluid_force[self._bodies].any(axis=1)
 
     def _push(self, wrench: np.ndarray) -> None:
         self.rigid.fluid_force[self._bodies] = wrench[:, :3]

@@ -11,7 +11,7 @@ import taichi as ti
 from sim.rigid.body import Body
 from sim.rigid.collision.manifold import MOST, Found
 from sim.rigid.collision.narrow_phase import Shapes
-from sim.rigid.dynamics.contact_solver import Contacts
+from sim.rigid.layout import Bounces, Contacts, Pairs, PreviousContacts
 
 
 def shape_arrays(bodies: Sequence[Body]) -> dict[str, Any]:
@@ -68,25 +68,64 @@ class ContactTables:
     def __init__(self, room: int):
         self.room = room
         most = room * MOST
-        self.number = integers(np.zeros(room))
-        """How many were found of each pair."""
+        self.near = Pairs(
+            pair_body=integers(np.zeros(2 * room)),
+            number=integers(np.zeros(room)),
+            first=integers(np.zeros(room)),
+            surface=np.zeros(3 * room),
+            scale=np.zeros(room),
+        )
         self.found = Found(at=_rows(most), out=_rows(most), apart=np.zeros(most), bend=np.zeros(most))
-        self.gap, self.restitution, self.slack = np.zeros(most), np.zeros(most), np.zeros(most)
-        self.extra, self.slow, self.blow, self.bounce = (np.zeros(most) for _ in range(4))
-        self.struck = integers(np.zeros(most))
-        self.table = {name: np.zeros(most) for name in ("limit", "friction", "grip", "push", "along", "across")}
-        self.table |= {name: _rows(most) for name in ("place", "normal", "carried", "drag", "gain", "course")}
+        self.gap, self.allowed_overlap = np.zeros(most), np.zeros(most)
+        self.struck, self.target_velocity = integers(np.zeros(most)), np.zeros(most)
+        names = ("restitution", "extra", "slow", "bounce", "blow")
+        self.bounces = Bounces(
+            **{name: np.zeros(most) for name in names}, struck=self.struck, target_velocity=self.target_velocity
+        )
+        numbers_of = ("limit", "kinetic_friction", "static_friction", "normal_impulse", "normal_mass", "tangent_mass")
+        vectors_of = ("place", "normal", "arc_velocity", "friction_impulse", "impulse_change", "search_direction")
+        self.table = {name: np.zeros(most) for name in numbers_of} | {name: _rows(most) for name in vectors_of}
         self.table["body"] = integers(np.zeros(2 * most))
         self.pressed = Contacts(**self.table)
-        self.target = np.zeros(most)
-        self.bouncing = Contacts(**(self.table | {"limit": self.target}))
-        none = np.zeros(most)
-        self.apart, self.thrust, self.slip = np.zeros(most), np.zeros(most), _rows(most)
-        own = {"limit": self.apart, "push": self.thrust, "drag": self.slip, "friction": none, "grip": none}
-        own["carried"] = _rows(most)
-        self.parting = Contacts(**(self.table | own))
+        self.bouncing = Contacts(**(self.table | {"limit": self.target_velocity}))
+        self.parting_speed, self.parting_impulse, none = np.zeros(most), np.zeros(most), np.zeros(most)
+        self.parting_friction = _rows(most)
+        own = {"limit": self.parting_speed, "normal_impulse": self.parting_impulse}
+        own |= {"friction_impulse": self.parting_friction, "kinetic_friction": none, "static_friction": none}
+        self.parting = Contacts(**(self.table | own | {"arc_velocity": _rows(most)}))
+        self._make_room_for_previous(most)
 
-    def pressing(self, count: int) -> dict[str, np.ndarray]:
+    def _make_room_for_previous(self, room: int) -> None:
+        self._previous_room = room
+        self.previous = PreviousContacts(
+            first_previous=integers(np.zeros(2 * self.room)),
+            previous_place=_rows(room),
+            previous_force=_rows(room),
+        )
+
+    def list_pairs(self, pairs: np.ndarray, surface: np.ndarray, scale: np.ndarray) -> None:
+        """Take n pairs of bodies, shape [n, 2], what their surfaces are to each other, [n, 3], and the sizes of the
+        smaller bodies [m], [n]."""
+        self.near.pair_body[: pairs.size] = pairs.ravel()
+        self.near.surface[: surface.size] = surface.ravel()
+        self.near.scale[: len(scale)] = scale
+
+    def number_contacts(self, pairs: int) -> np.ndarray:
+        """Let the contacts found of so many pairs follow one another; returns how many each has, shape [pairs]."""
+        number = self.near.number[:pairs]
+        self.near.first[:pairs] = np.cumsum(number) - number
+        return number
+
+    def list_previous(self, ranges: np.ndarray, place: np.ndarray, force: np.ndarray) -> None:
+        """Take contacts of the step before: where those of each pair begin and end, shape [n, 2]; places [m] and forces
+        [N], shape [m, 3]."""
+        if len(place) > self._previous_room:
+            self._make_room_for_previous(2 * len(place))
+        self.previous.first_previous[: ranges.size] = ranges.ravel()
+        self.previous.previous_place[: len(place)] = place
+        self.previous.previous_force[: len(place)] = force
+
+    def members(self, count: int) -> dict[str, np.ndarray]:
         """The members of `pressed`, of the first `count` contacts."""
         return {name: array[: 2 * count if name == "body" else count] for name, array in self.table.items()}
 

@@ -1,11 +1,12 @@
-"""Contacts of all pairs in one table, with what is known of them from the step before."""
+"""Contacts of all pairs in one table, with the forces of the step before."""
 
 import taichi as ti
 
 from sim.device.double import Integers, Numbers, Vectors, vec3
 from sim.rigid.collision.manifold import CLOSED, MOST, Found
-from sim.rigid.dynamics.contact_solver import Contacts, Motion, relative_velocity
+from sim.rigid.dynamics.contact_solver import relative_velocity
 from sim.rigid.dynamics.rotation import beyond, rotation_of
+from sim.rigid.layout import Bounces, Contacts, Motion, Pairs, PreviousContacts
 
 NEAR = 0.3
 """A contact goes on from the nearest of its pair in the step before, within this share of the smaller body."""
@@ -14,57 +15,48 @@ NEAR = 0.3
 @ti.kernel
 def gather(
     pairs: ti.i32,
-    pair: Integers,
-    number: Integers,
-    first: Integers,
-    material: Numbers,
-    size: Numbers,
-    found: Found,
-    known: Integers,
-    known_place: Vectors,
-    known_force: Vectors,
     dt: ti.f64,
+    near: Pairs,
+    found: Found,
+    previous: PreviousContacts,
     motion: Motion,
     contacts: Contacts,
     gap: Numbers,
-    restitution: Numbers,
+    bounces: Bounces,
 ):
-    """Bring the contacts of pair k, `number[k]` of them, to `first[k]` and after.
-
-    material: friction, friction at rest and restitution of each pair; size [m] of its smaller body; known: where its
-    contacts of the step before begin and end, of which there are the place in the first body's axes and the force [N].
-    """
+    """Bring the contacts of pair k, `number[k]` of them, to `first[k]` and after, with the impulses of those of the
+    step before that they go on from."""
     for k in range(pairs):
-        a, b = pair[2 * k], pair[2 * k + 1]
+        a, b = near.pair_body[2 * k], near.pair_body[2 * k + 1]
         back = rotation_of(motion.rotation[a]).transpose()
         middle = vec3(0.0)
-        for j in range(number[k]):
-            middle += found.at[k * MOST + j] / number[k]
-        for j in range(number[k]):
-            source, c = k * MOST + j, first[k] + j
+        for j in range(near.number[k]):
+            middle += found.at[k * MOST + j] / near.number[k]
+        for j in range(near.number[k]):
+            source, c = k * MOST + j, near.first[k] + j
             contacts.body[2 * c], contacts.body[2 * c + 1] = a, b
             here, n = found.at[source], found.out[source]
             contacts.place[c], contacts.normal[c] = here, n
             gap[c] = found.apart[source]
             contacts.limit[c] = -dt * found.bend[source]
-            if gap[c] > CLOSED * size[k]:
-                contacts.limit[c] -= (gap[c] - 0.5 * CLOSED * size[k]) / dt
-            contacts.carried[c] = _carried(motion, a, b, middle, n, dt)
-            contacts.friction[c] = material[3 * k]
-            contacts.grip[c] = material[3 * k + 1]
-            restitution[c] = material[3 * k + 2]
+            if gap[c] > CLOSED * near.scale[k]:
+                contacts.limit[c] -= (gap[c] - 0.5 * CLOSED * near.scale[k]) / dt
+            contacts.arc_velocity[c] = _arc_velocity(motion, a, b, middle, n, dt)
+            contacts.kinetic_friction[c] = near.surface[3 * k]
+            contacts.static_friction[c] = near.surface[3 * k + 1]
+            bounces.restitution[c] = near.surface[3 * k + 2]
             local = back @ (here - motion.position[a])
-            nearest, force = NEAR * size[k], vec3(0.0)
-            for old in range(known[2 * k], known[2 * k + 1]):
-                away = (known_place[old] - local).norm()
+            nearest, last_force = NEAR * near.scale[k], vec3(0.0)
+            for old in range(previous.first_previous[2 * k], previous.first_previous[2 * k + 1]):
+                away = (previous.previous_place[old] - local).norm()
                 if away < nearest:
-                    nearest, force = away, known_force[old]
-            contacts.push[c] = dt * ti.max(force.dot(n), 0.0)
-            contacts.drag[c] = dt * (force - n * force.dot(n))
+                    nearest, last_force = away, previous.previous_force[old]
+            contacts.normal_impulse[c] = dt * ti.max(last_force.dot(n), 0.0)
+            contacts.friction_impulse[c] = dt * (last_force - n * last_force.dot(n))
 
 
 @ti.func
-def _carried(motion: ti.template(), a: ti.i32, b: ti.i32, middle: vec3, n: vec3, dt: ti.f64) -> vec3:
+def _arc_velocity(motion: ti.template(), a: ti.i32, b: ti.i32, middle: vec3, n: vec3, dt: ti.f64) -> vec3:
     """What the turning of both bodies adds to the relative velocity of their material in the middle of where they
     touch, over dt [s]: it goes along arcs, and not along the tangents that velocities at the start say [m/s].
 
@@ -90,23 +82,23 @@ def remember(
     struck: Integers,
     motion: Motion,
     contacts: Contacts,
-    known_place: Vectors,
-    known_force: Vectors,
+    place_out: Vectors,
+    force_out: Vectors,
 ):
     """Places in the first bodies' axes [m] and forces [N] of all contacts, for the next step; a blow does not last."""
     for c in range(count):
         a = contacts.body[2 * c]
         back = rotation_of(motion.rotation[a]).transpose()
-        known_place[c] = back @ (contacts.place[c] - motion.position[a])
+        place_out[c] = back @ (contacts.place[c] - motion.position[a])
         if struck[c] < 2:
-            known_force[c] = (contacts.push[c] * contacts.normal[c] + contacts.drag[c]) / dt
+            force_out[c] = (contacts.normal_impulse[c] * contacts.normal[c] + contacts.friction_impulse[c]) / dt
 
 
 @ti.kernel
 def separate(
     count: ti.i32,
     dt: ti.f64,
-    slack: Numbers,
+    allowed_overlap: Numbers,
     share: ti.f64,
     fastest: ti.f64,
     gap: Numbers,
@@ -127,7 +119,7 @@ def separate(
         thrust[c] = 0.0
         slip[c] = vec3(0.0)
         apart[c] = -ti.max(now, 0.0) / dt
-        if now < -slack[c]:
-            apart[c] = ti.min(share * (-now - slack[c]) / dt, fastest)
+        if now < -allowed_overlap[c]:
+            apart[c] = ti.min(share * (-now - allowed_overlap[c]) / dt, fastest)
             deep += 1
     return deep

@@ -45,14 +45,14 @@ def add(
     size [m]: of the smaller body; place [m] and normal of the contact, the gap [m] negative in overlap; bend: how fast
     the turning of the body takes its point off the other one [m/s^2], beyond what its velocity does.
     """
-    known = -1
+    same = -1
     for k in range(count):
         near = _apart(place, normal, found.at[first + k], found.out[first + k], size)
-        if known < 0 and near < SAME_PLACE * SAME_PLACE:
-            known = k
+        if same < 0 and near < SAME_PLACE * SAME_PLACE:
+            same = k
     dropped, kept = -1, count
-    if known >= 0:
-        dropped = count if gap >= found.apart[first + known] else known
+    if same >= 0:
+        dropped = count if gap >= found.apart[first + same] else same
     elif count < most:
         dropped, kept = count, count + 1
     else:

@@ -22,10 +22,11 @@ from sim.geometry.distance.sdf import (
     distance_to_sphere,
     distance_to_torus,
 )
-from sim.rigid.collision.box_box import box_box
+from sim.rigid.collision.box_box import Box, box_box
 from sim.rigid.collision.manifold import FEW, MOST, Found, add
 from sim.rigid.collision.shapes import AXIS, CIRCLE, POINT, SEGMENT
 from sim.rigid.dynamics.rotation import rotation_of
+from sim.rigid.layout import Motion
 
 AROUND = 16
 """Points on a circle among which the nearest is looked for first; every other one may become a contact, too."""
@@ -108,17 +109,14 @@ def find_contacts(
     pair: Integers,
     margin: Numbers,
     shapes: Shapes,
-    position: Vectors,
-    rotation: Quaternions,
-    spin: Vectors,
+    motion: Motion,
     number: Integers,
     found: Found,
 ):
     """Contacts with a gap below `margin` [m] of pairs of bodies, MOST places for each pair.
 
-    kinds: the kinds of shapes that there are, as bits; pair: both bodies of each; positions [m] and spins [rad/s] of
-    the bodies. Normals point from the second body to the first, places are in the middle of the gap, the gap is
-    negative in overlap [m].
+    kinds: the kinds of shapes that there are, as bits; pair: both bodies of each. Normals point from the
+    second body to the first, places are in the middle of the gap, the gap is negative in overlap [m].
     """
     for k in range(pairs):
         a, b = pair[2 * k], pair[2 * k + 1]
@@ -126,17 +124,9 @@ def find_contacts(
         undecided = True
         if ti.static(kinds & (1 << BOX) > 0):
             if shapes.kind[a] == BOX and shapes.kind[b] == BOX:
-                count = box_box(
-                    first,
-                    position[a],
-                    rotation_of(rotation[a]),
-                    shapes.size[a],
-                    position[b],
-                    rotation_of(rotation[b]),
-                    shapes.size[b],
-                    margin[k],
-                    found,
-                )
+                box_a = Box(motion.position[a], rotation_of(motion.rotation[a]), shapes.size[a])
+                box_b = Box(motion.position[b], rotation_of(motion.rotation[b]), shapes.size[b])
+                count = box_box(first, box_a, box_b, margin[k], found)
                 undecided = count == 0
         if undecided:
             scale = ti.min(shapes.reach[a], shapes.reach[b])
@@ -148,20 +138,7 @@ def find_contacts(
                 # A sphere's centre alone tells all that there is between it and any other shape.
                 if shapes.kind[other] != SPHERE or shapes.kind[one] == SPHERE:
                     count = _look_up(
-                        kinds,
-                        first,
-                        count,
-                        most,
-                        scale,
-                        one,
-                        other,
-                        sign,
-                        margin[k],
-                        shapes,
-                        position,
-                        rotation,
-                        spin,
-                        found,
+                        kinds, first, count, most, scale, one, other, sign, margin[k], shapes, motion, found
                     )
         number[k] = ti.max(count, 0)
 
@@ -178,9 +155,7 @@ def _look_up(
     sign: ti.f64,
     margin: ti.f64,
     shapes: ti.template(),
-    position: ti.template(),
-    rotation: ti.template(),
-    spin: ti.template(),
+    motion: ti.template(),
     found: ti.template(),
 ) -> ti.i32:
     """Add contacts of the features of a with the field of b; `sign` is -1 where normals are to point to b.
@@ -188,9 +163,9 @@ def _look_up(
     One loop tries all places of a feature, so that the kernel holds the fields once only.
     """
     count = kept
-    turn_b = rotation_of(rotation[b])
-    turn = turn_b.transpose() @ rotation_of(rotation[a])
-    shift = turn_b.transpose() @ (position[a] - position[b])
+    turn_b = rotation_of(motion.rotation[b])
+    turn = turn_b.transpose() @ rotation_of(motion.rotation[a])
+    shift = turn_b.transpose() @ (motion.position[a] - motion.position[b])
     for f in range(shapes.first_feature[a], shapes.first_feature[a + 1]):
         kind, rounding = shapes.feature[f], shapes.rounding[f]
         centre = shift + turn @ shapes.centre[f]
@@ -247,9 +222,10 @@ def _look_up(
                 out, arm = turn_b @ normal, turn_b @ (place - shift)
                 bend = ti.cast(0.0, ti.f64)
                 if kind != CIRCLE:
-                    bend = ti.max(0.5 * out.dot(spin[a].cross(spin[a].cross(arm))), 0.0)
+                    bend = ti.max(0.5 * out.dot(motion.spin[a].cross(motion.spin[a].cross(arm))), 0.0)
                 if out.norm_sqr() > 0.5:
-                    count = add(first, count, most, size, position[b] + turn_b @ middle, sign * out, gap, bend, found)
+                    at = motion.position[b] + turn_b @ middle
+                    count = add(first, count, most, size, at, sign * out, gap, bend, found)
     return count
 
 

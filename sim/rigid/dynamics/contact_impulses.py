@@ -9,6 +9,7 @@ import numpy as np
 from sim.rigid.collision.arrays import ContactTables
 from sim.rigid.dynamics import contact_solver
 from sim.rigid.dynamics.simultaneous import settle_at_once
+from sim.rigid.layout import Motion
 from sim.rigid.spec import Rigid
 
 BATCH = 50
@@ -19,11 +20,11 @@ TRIES = 2
 """Times that contacts may be solved at once."""
 
 
-def press(
+def solve_impulses(
     count: int,
     settings: Rigid,
-    free: np.ndarray,
-    motion: contact_solver.Motion,
+    dynamic: np.ndarray,
+    motion: Motion,
     arrays: Mapping[str, np.ndarray],
     tables: ContactTables,
 ) -> tuple[int, float]:
@@ -40,7 +41,7 @@ def press(
         sweeps += int(more)
         if sweeps < cap and change > max(error, PROGRESS * before) and tries < TRIES:
             tries += 1
-            found = settle_at_once(tables.pressing(count), arrays, free, change, error)
+            found = settle_at_once(tables.members(count), arrays, dynamic, change, error)
             if found is not None:
                 contact_solver.replace(count, motion, contacts, *found)
     return sweeps, float(change)

@@ -8,44 +8,10 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 (NNCG, Silcowitz-Hansen et al. 2010).
 """
 
-from typing import Any
-
 import taichi as ti
 
-from sim.device.double import Integers, Matrices, Numbers, Quaternions, Vectors, cross_matrix, mat3, vec2, vec3
-
-Motion: Any = ti.types.argpack(
-    position=Vectors,
-    rotation=Quaternions,
-    velocity=Vectors,
-    spin=Vectors,
-    momentum=Vectors,
-    inverse_mass=Numbers,
-    inverse_inertia=Matrices,
-)
-"""Bodies in the world: centres of mass [m], rotations, velocities [m/s] and [rad/s], angular momenta
-[kg m^2/s]; inverse mass [1/kg] and inverse inertia about the centre in world axes [1/(kg m^2)], zero of bodies that
-nothing moves."""
-
-Contacts: Any = ti.types.argpack(
-    body=Integers,
-    place=Vectors,
-    normal=Vectors,
-    carried=Vectors,
-    limit=Numbers,
-    friction=Numbers,
-    grip=Numbers,
-    push=Numbers,
-    drag=Vectors,
-    along=Numbers,
-    across=Numbers,
-    gain=Vectors,
-    course=Vectors,
-)
-"""Contacts: both bodies, place [m], normal towards the first, what turning adds over the step to the relative velocity
-across, and the least one along the normal [m/s], coefficients of friction while sliding and at rest, impulses along the
-normal and across [N s], and their effective masses [kg]; what the last sweep added to the impulses and the direction in
-which they go on [N s]."""
+from sim.device.double import Numbers, Vectors, cross_matrix, mat3, vec2, vec3
+from sim.rigid.layout import Contacts, Motion
 
 
 @ti.func
@@ -94,17 +60,17 @@ def weigh(count: ti.i32, motion: Motion, contacts: Contacts):
     for c in range(count):
         at, n = contacts.place[c], contacts.normal[c]
         mobility = _mobility(motion, contacts.body[2 * c], at) + _mobility(motion, contacts.body[2 * c + 1], at)
-        contacts.along[c] = 1.0 / n.dot(mobility @ n)
+        contacts.normal_mass[c] = 1.0 / n.dot(mobility @ n)
         # The greatest mobility across: of a smaller one, friction would point elsewhere than against sliding.
         u = n.cross(vec3(1.0, 0.0, 0.0) if abs(n[0]) < 0.5 else vec3(0.0, 1.0, 0.0)).normalized()
         v = n.cross(u)
         uu, uv, vv = u.dot(mobility @ u), u.dot(mobility @ v), v.dot(mobility @ v)
         half = 0.5 * (uu - vv)
-        contacts.across[c] = 1.0 / (0.5 * (uu + vv) + ti.sqrt(half * half + uv * uv))
-        contacts.drag[c] -= n * n.dot(contacts.drag[c])
+        contacts.tangent_mass[c] = 1.0 / (0.5 * (uu + vv) + ti.sqrt(half * half + uv * uv))
+        contacts.friction_impulse[c] -= n * n.dot(contacts.friction_impulse[c])
     ti.loop_config(serialize=True)
     for c in range(count):
-        strike(motion, contacts, c, contacts.push[c] * contacts.normal[c] + contacts.drag[c])
+        strike(motion, contacts, c, contacts.normal_impulse[c] * contacts.normal[c] + contacts.friction_impulse[c])
 
 
 @ti.kernel
@@ -121,7 +87,7 @@ def solve(count: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: 
         while sweeps < most and change > error:
             if sweeps == 1:
                 for c in range(count):
-                    contacts.course[c] = contacts.gain[c]
+                    contacts.search_direction[c] = contacts.impulse_change[c]
             elif sweeps > 1:
                 _go_on(count, motion, contacts, last)
             last = _energy(count, contacts)
@@ -137,8 +103,8 @@ def replace(count: ti.i32, motion: Motion, contacts: Contacts, push: Numbers, dr
     """Take these impulses for the ones that there are."""
     ti.loop_config(serialize=True)
     for c in range(count):
-        more = (push[c] - contacts.push[c]) * contacts.normal[c] + drag[c] - contacts.drag[c]
-        contacts.push[c], contacts.drag[c] = push[c], drag[c]
+        more = (push[c] - contacts.normal_impulse[c]) * contacts.normal[c] + drag[c] - contacts.friction_impulse[c]
+        contacts.normal_impulse[c], contacts.friction_impulse[c] = push[c], drag[c]
         strike(motion, contacts, c, more)
 
 
@@ -147,7 +113,7 @@ def _energy(count: ti.i32, contacts: ti.template()) -> ti.f64:
     """Square of what the last sweep added, weighted by mobility [J]."""
     total = ti.cast(0.0, ti.f64)
     for c in range(count):
-        total += contacts.gain[c].norm_sqr() / contacts.along[c]
+        total += contacts.impulse_change[c].norm_sqr() / contacts.normal_mass[c]
     return total
 
 
@@ -156,16 +122,16 @@ def _go_on(count: ti.i32, motion: ti.template(), contacts: ti.template(), last: 
     """Add the former direction by the ratio of two sweeps' squares, or begin anew where they grow."""
     share = _energy(count, contacts) / last
     for c in range(count):
-        course = contacts.course[c]
+        direction = contacts.search_direction[c]
         if share <= 1.0:
-            impulse = share * course
+            impulse = share * direction
             push = contacts.normal[c].dot(impulse)
-            contacts.push[c] += push
-            contacts.drag[c] += impulse - push * contacts.normal[c]
+            contacts.normal_impulse[c] += push
+            contacts.friction_impulse[c] += impulse - push * contacts.normal[c]
             strike(motion, contacts, c, impulse)
-            contacts.course[c] = impulse + contacts.gain[c]
+            contacts.search_direction[c] = impulse + contacts.impulse_change[c]
         else:
-            contacts.course[c] = vec3(0.0)
+            contacts.search_direction[c] = vec3(0.0)
 
 
 @ti.func
@@ -173,22 +139,22 @@ def _settle(motion: ti.template(), contacts: ti.template(), c: ti.i32) -> ti.f64
     """Change the impulses of one contact to what its own laws ask for; returns by how much its velocity changes."""
     n = contacts.normal[c]
     missing = contacts.limit[c] - n.dot(relative_velocity(motion, contacts, c))
-    push = ti.max(contacts.push[c] + contacts.along[c] * missing, 0.0)
-    more = push - contacts.push[c]
-    contacts.push[c] = push
+    push = ti.max(contacts.normal_impulse[c] + contacts.normal_mass[c] * missing, 0.0)
+    more = push - contacts.normal_impulse[c]
+    contacts.normal_impulse[c] = push
     strike(motion, contacts, c, more * n)
-    change = abs(more) / contacts.along[c]
+    change = abs(more) / contacts.normal_mass[c]
 
-    drag = contacts.drag[c]
+    drag = contacts.friction_impulse[c]
     if push > 0.0 or drag.norm_sqr() > 0.0:
-        sliding = relative_velocity(motion, contacts, c) + contacts.carried[c]
+        sliding = relative_velocity(motion, contacts, c) + contacts.arc_velocity[c]
         sliding -= n * n.dot(sliding)
-        wanted = drag - contacts.across[c] * sliding
+        wanted = drag - contacts.tangent_mass[c] * sliding
         length = wanted.norm()
-        if length > contacts.grip[c] * push:
-            wanted *= ti.min(contacts.friction[c] * push / length, 1.0)
-        contacts.drag[c] = wanted
+        if length > contacts.static_friction[c] * push:
+            wanted *= ti.min(contacts.kinetic_friction[c] * push / length, 1.0)
+        contacts.friction_impulse[c] = wanted
         strike(motion, contacts, c, wanted - drag)
-        change = ti.max(change, (wanted - drag).norm() / contacts.across[c])
-    contacts.gain[c] = more * n + contacts.drag[c] - drag
+        change = ti.max(change, (wanted - drag).norm() / contacts.tangent_mass[c])
+    contacts.impulse_change[c] = more * n + contacts.friction_impulse[c] - drag
     return change

@@ -14,13 +14,13 @@ import numpy as np
 from sim.geometry.components import groups
 
 
-def borne_by(pairs: np.ndarray, free: np.ndarray, seeds: Collection[int]) -> np.ndarray:
-    """Which bodies that obey forces, `free`, touch one of `seeds`, or hang together with one that does by contacts of
-    these `pairs`, shape [contacts, 2]; planes and bodies that are led hang nothing together. Shape [bodies]."""
+def borne_by(pairs: np.ndarray, dynamic: np.ndarray, seeds: Collection[int]) -> np.ndarray:
+    """Which bodies that obey forces, `dynamic`, touch one of `seeds`, or hang together with one that does by contacts
+    of these `pairs`, shape [contacts, 2]; planes and bodies that are moved hang nothing together. Shape [bodies]."""
     seeded = np.isin(pairs, list(seeds))
-    both = free[pairs].all(axis=1)
-    _, group = groups(pairs[both, 0], pairs[both, 1], len(free))
-    return free & np.isin(group, group[np.unique(pairs[seeded.any(axis=1)])])
+    both = dynamic[pairs].all(axis=1)
+    _, group = groups(pairs[both, 0], pairs[both, 1], len(dynamic))
+    return dynamic & np.isin(group, group[np.unique(pairs[seeded.any(axis=1)])])
 
 
 def wrenches(

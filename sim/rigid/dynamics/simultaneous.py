@@ -20,7 +20,7 @@ Arrays = Mapping[str, np.ndarray]
 
 
 def settle_at_once(
-    contacts: Arrays, motion: Arrays, free: np.ndarray, change: float, error: float
+    contacts: Arrays, motion: Arrays, dynamic: np.ndarray, change: float, error: float
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Impulses of n contacts along their normals, shape [n], and across, shape [n, 3] [N s]; None where sweeps are
     nearer, or more than MOST contacts press.
@@ -31,16 +31,16 @@ def settle_at_once(
     pair = contacts["body"].reshape(-1, 2)
     axes = _axes(contacts["normal"])
     velocity = _relative(contacts, pair, axes, motion)
-    chosen = np.flatnonzero((contacts["push"] > 0) | (velocity[:, 0] < NEAR * change))
+    chosen = np.flatnonzero((contacts["normal_impulse"] > 0) | (velocity[:, 0] < NEAR * change))
     if not 0 < len(chosen) <= MOST:
         return None
-    axes, slide = axes[chosen], contacts["friction"][chosen]
-    mobility = _mobility(pair[chosen], contacts["place"][chosen], axes, motion, free)
-    push, drag = contacts["push"].copy(), contacts["drag"].copy()
+    axes, slide = axes[chosen], contacts["kinetic_friction"][chosen]
+    mobility = _mobility(pair[chosen], contacts["place"][chosen], axes, motion, dynamic)
+    push, drag = contacts["normal_impulse"].copy(), contacts["friction_impulse"].copy()
     now = np.column_stack((push[chosen], np.einsum("cij,cj->ci", axes[:, 1:], drag[chosen])))
     without = velocity[chosen] - (mobility @ now.ravel()).reshape(-1, 3)
     holds = np.linalg.norm(now[:, 1:], axis=1) <= STUCK * slide * now[:, 0]
-    friction = np.where(holds, contacts["grip"][chosen], slide)
+    friction = np.where(holds, contacts["static_friction"][chosen], slide)
     found, off = impulses(mobility, without, friction, error)
     if off > change:
         return None
@@ -61,19 +61,19 @@ def _relative(contacts: Arrays, pair: np.ndarray, axes: np.ndarray, motion: Arra
     first, second = (
         motion["velocity"][k] + np.cross(motion["spin"][k], contacts["place"] - motion["position"][k]) for k in pair.T
     )
-    across = np.einsum("cij,cj->ci", axes[:, 1:], first - second + contacts["carried"])
+    across = np.einsum("cij,cj->ci", axes[:, 1:], first - second + contacts["arc_velocity"])
     along = np.einsum("cj,cj->c", axes[:, 0], first - second) - contacts["limit"]
     return np.column_stack((along, across))
 
 
-def _mobility(pair: np.ndarray, place: np.ndarray, axes: np.ndarray, motion: Arrays, free: np.ndarray) -> csr_matrix:
+def _mobility(pair: np.ndarray, place: np.ndarray, axes: np.ndarray, motion: Arrays, dynamic: np.ndarray) -> csr_matrix:
     """Changes of relative velocities by impulses (Delassus' operator), shape [3 n, 3 n] [1/kg]."""
     count = len(pair)
-    moving = np.flatnonzero(np.isin(np.arange(len(free)), pair) & free)
-    column = np.searchsorted(moving, np.arange(len(free)))
+    moving = np.flatnonzero(np.isin(np.arange(len(dynamic)), pair) & dynamic)
+    column = np.searchsorted(moving, np.arange(len(dynamic)))
     jacobian, weighted, rows, columns = [], [], [], []
     for side, sign in ((0, 1.0), (1, -1.0)):
-        c = np.flatnonzero(free[pair[:, side]])
+        c = np.flatnonzero(dynamic[pair[:, side]])
         k = pair[c, side]
         along = sign * axes[c]
         turning = np.cross((place[c] - motion["position"][k])[:, None], along)

@@ -14,8 +14,8 @@ def contacts(bodies: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places [m], normals and gaps [m] of the contacts of two bodies."""
     found = part(bodies, gravity=(0, 0, 0))
     found.velocity[:] = 0
-    count = found._find(0.001)
-    tables = found._tables
+    count = found.contacts.find(0.001)
+    tables = found.contacts.tables
     return tables.table["place"][:count], tables.table["normal"][:count], tables.gap[:count]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.cloth.contact.collision import Known
-from sim.cloth.contact.search import EDGE, PLANE, POINT
+from sim.cloth.contact.contact_set import ContactSet
+from sim.cloth.contact.detection.search import EDGE, PLANE, POINT
 from tests.cloths import part, sheet
 
 
@@ -19,12 +19,12 @@ def cloth(taichi):
     return part({name: square | {"position": place} | pins.get(name, {}) for name, place in places.items()})
 
 
-def contacts(*keys: tuple[int, ...]) -> Known:
-    none = Known.none()
+def contacts(*keys: tuple[int, ...]) -> ContactSet:
+    none = ContactSet.none()
     return (
         none
         if not keys
-        else Known(np.array(keys, np.int32), *(getattr(none, name) for name in vars(none) if name != "key"))
+        else ContactSet(np.array(keys, np.int32), *(getattr(none, name) for name in vars(none) if name != "key"))
     )
 
 

@@ -36,4 +36,4 @@ def test_what_a_scene_loads_and_launches(tmp_path, name):
         assert {"sim.cloth.model", "sim.cloth.integrators.implicit_euler"} <= loaded
         assert not {"sim.cloth.integrators.xpbd", "sim.cloth.integrators.symplectic_euler"} & loaded
         assert ("sim.coupling.cloth_solids" in loaded) == (name != "cloth alone")
-        assert "sim.cloth.integrators.newton_sums.assess" in launched
+        assert "sim.cloth.integrators.newton.step_energy.assess" in launched

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.cloth.contact.roundness import Roundness
-from sim.cloth.contact.search import EDGE, POINT
+from sim.cloth.contact.detection.roundness import Roundness
+from sim.cloth.contact.detection.search import EDGE, POINT
 
 CLOTH = 3
 """Points of the cloth, which come first."""

@@ -6,7 +6,7 @@ stay apart stays apart.
 
 import taichi as ti
 
-from sim.cloth.contact.proximity import nearest
+from sim.cloth.contact.detection.proximity import nearest
 from sim.device.double import vec3
 
 ROUNDS = 64

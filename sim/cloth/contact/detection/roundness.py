@@ -12,7 +12,7 @@ import trimesh
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from sim.cloth.contact.search import EDGE, PLANE
+from sim.cloth.contact.detection.search import EDGE, PLANE
 
 CREASE = np.radians(30)
 """Triangles that meet at a larger angle have an edge between them."""

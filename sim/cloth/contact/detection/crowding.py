@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.cloth.contact import search
-from sim.cloth.contact.search import PLANE
+from sim.cloth.contact.detection import search
+from sim.cloth.contact.detection.search import PLANE
 from sim.cloth.fabric.arrays import vectors
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.geometry.components import groups
@@ -32,8 +32,8 @@ class Crowding:
         sides = corner - np.roll(corner, 1, axis=1)
         twice_area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
         height = twice_area / np.linalg.norm(sides, axis=2).max(axis=1)
-        thick = 2 * half[mesh.triangles].max(axis=1)
-        self.present = bool((SHARE * SPARE * height < thick).any())
+        thickness = 2 * half[mesh.triangles].max(axis=1)
+        self.present = bool((SHARE * SPARE * height < thickness).any())
         if not self.present:
             return
         _, piece = groups(mesh.triangles.ravel(), np.roll(mesh.triangles, 1, axis=1).ravel(), mesh.count)
@@ -41,15 +41,15 @@ class Crowding:
         places[: mesh.count, 0] += APART * piece
         self.places = vectors(places)
 
-    def thickness(self, key: np.ndarray, thick: np.ndarray) -> np.ndarray:
-        """At which distance pairs touch [m], each a kind and four points, where others touch at `thick`."""
+    def thickness(self, key: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
+        """At which distance pairs touch [m], each a kind and four points, where others touch at `otherwise`."""
         if not self.present:
-            return thick
+            return otherwise
         pairs = np.flatnonzero((key[:, 0] < PLANE) & (key[:, 1:] < self._count).all(axis=1))
         if not len(pairs):
-            return thick
+            return otherwise
         apart, normal, weight = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 4))
         search.look_again(len(pairs), np.ascontiguousarray(key[pairs]), self.places, apart, normal, weight)
-        found = thick.copy()
-        found[pairs] = np.minimum(thick[pairs], SHARE * apart)
+        found = otherwise.copy()
+        found[pairs] = np.minimum(otherwise[pairs], SHARE * apart)
         return found

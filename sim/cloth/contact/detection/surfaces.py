@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
+from sim.cloth.contact.detection.search import TreeBoxes
 from sim.cloth.fabric.arrays import integers, vectors
 from sim.cloth.fabric.fabric import edges_of
 from sim.neighbors import box_tree
@@ -43,6 +44,9 @@ class Tree:
         self.member = integers(members.ravel())
         self.low, self.high = vectors(np.zeros((2 * self.leaves, 3))), vectors(np.zeros((2 * self.leaves, 3)))
         box_tree.clear(2 * self.leaves, self.low, self.high)
+        self.boxes = TreeBoxes(
+            leaves=self.leaves, primitives=self.number, member=self.member, low=self.low, high=self.high
+        )
 
     def enclose(self, half: ti.Ndarray, one: ti.Ndarray, other: ti.Ndarray) -> None:
         """Let boxes hold the primitives, `half` [m] as thick at points, at two times: places [m] `one` and `other`."""

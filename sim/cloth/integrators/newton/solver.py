@@ -1,4 +1,4 @@
-"""Newton's method for a step of implicit Euler: where the energy that `newton_sums` tells is least."""
+"""Newton's method for a step of implicit Euler: where the energy of `step_energy` is least."""
 
 from __future__ import annotations
 
@@ -10,32 +10,35 @@ import taichi as ti
 from sim.cloth.contact import augmented_lagrangian
 from sim.cloth.contact.collision import Collisions
 from sim.cloth.fabric.arrays import matrices, numbers, vectors
-from sim.cloth.fabric.layout import ROWS
+from sim.cloth.fabric.layout import PARTITIONS
 from sim.cloth.fabric.mesh import ClothMesh
-from sim.cloth.integrators import conjugate_gradients, newton_sums
-from sim.cloth.integrators.conjugate_gradients import AT_ONCE
-from sim.cloth.integrators.newton_sums import SETTLED, Strain, System, Trial
-from sim.cloth.integrators.stiffness import find_pattern
+from sim.cloth.integrators.newton import conjugate_gradients, linear_system, step_energy
+from sim.cloth.integrators.newton.block_matrix import find_pattern
+from sim.cloth.integrators.newton.conjugate_gradients import AT_ONCE
+from sim.cloth.integrators.newton.linear_system import SETTLED, System
+from sim.cloth.integrators.newton.step_energy import ElementForces
+from sim.cloth.integrators.newton.trial import Trial
 from sim.cloth.spec import ImplicitEuler as Settings
 from sim.device.double import vec3
 
 PASSES = 3
-"""Times that the forces which friction counts are renewed in a solution, and one more."""
+"""Times that the normal forces that bound friction are renewed in a solution, and one more."""
 REACH = 4.0
-"""Times the longest way of a point in one of Newton's steps that sides of contacts may come nearer in the next."""
+"""Sides of contacts may come nearer in a step of Newton's by so many times the longest displacement in the one
+before."""
 SEARCHES = 3
-"""For the least energy beyond the end of a way."""
+"""For the least energy beyond the end of a step."""
 MOST = 4.0
 """Times that such a search may go further than before."""
 FURTHER = 1.2
 """Times that it has to go further to be worth it."""
-AS_TOLD = 0.4
-"""Linear forces let the energy fall by half of its slope; where it falls by less than this share, the way before is
-forgotten: in a bent valley, it would lead out."""
+SUFFICIENT_DECREASE = 0.4
+"""Linear forces let the energy fall by half of its slope; where it falls by less than this share, the direction before
+is forgotten: in a bent valley, it would lead out."""
 NEARLY = 1e-9
 """Energies that differ by this share are too much alike to tell where the least is."""
 HALVINGS = 30
-"""Of a way that does not lead down: then it is rounding that is left."""
+"""Of a step that does not lead down: then it is rounding that is left."""
 ROUNDING = 1e-12
 """Energies that differ by this share are the same."""
 
@@ -51,7 +54,7 @@ class Newton:
         n, s, h = mesh.count, mesh.springs, mesh.hinges
         self.trial = Trial(
             start=vectors(mesh.placed),
-            aim=vectors(mesh.placed),
+            predicted=vectors(mesh.placed),
             base=vectors(mesh.placed),
             place=mesh.place,
             length_before=numbers(np.zeros(s)),
@@ -61,19 +64,19 @@ class Newton:
         """Forces left over, over those that act, where the last solution met a cap."""
         self._weight = float(np.linalg.norm(gravity))
         self._mass = float(mesh.mass[~mesh.held].sum())
-        self._bodies = collisions.loose.count
+        self._bodies = collisions.bodies.count
         self._pattern = find_pattern(mesh.ends, mesh.corners, n)
-        self._strains = {
-            "spring_normal": vectors(np.zeros((s, 3))),
-            "spring_block": vectors(np.zeros((s, 3))),
+        self._element_arrays = {
+            "spring_direction": vectors(np.zeros((s, 3))),
+            "spring_tangent": vectors(np.zeros((s, 3))),
             "moment": numbers(np.zeros(h)),
-            "hinge_stiff": numbers(np.zeros(h)),
-            "slope": vectors(np.zeros((4 * h, 3))),
+            "hinge_stiffness": numbers(np.zeros(h)),
+            "angle_gradient": vectors(np.zeros((4 * h, 3))),
         }
-        alike = ("force", "force_before", "residual", "scaled", "course", "bent", "response", "line")
+        rows = ("force", "force_before", "residual", "preconditioned", "direction", "product", "solution")
         self._tables = {
-            **{name: vectors(np.zeros((self._rows, 3))) for name in alike},
-            "inverse": matrices(self._rows),
+            **{name: vectors(np.zeros((self._rows, 3))) for name in (*rows, "newton_direction")},
+            "preconditioner": matrices(self._rows),
             "scalar": numbers(np.zeros(SETTLED + 1)),
         }
         self._given = vectors(np.zeros((n, 3)))
@@ -90,8 +93,8 @@ class Newton:
         return self._system["force"]
 
     def converge(self, dt: float) -> np.ndarray:
-        """Go to where the energy is least, each way conjugate to the one before; returns steps, iterations, and whether
-        a cap was met."""
+        """Go to where the energy is least, each direction conjugate to the one before; returns steps, iterations, and
+        whether a cap was met."""
         self._make_room()
         settings = self.settings
         slow = settings.velocity_error * dt
@@ -101,20 +104,20 @@ class Newton:
             first, unbalanced = self._balance(dt)
             if displacement == 0.0 or (displacement <= slow and unbalanced <= settings.force_error**2):
                 passes += 1
-                if passes == PASSES or self.collisions.press_on() <= slow:
+                if passes == PASSES or self.collisions.update_lagged_forces() <= slow:
                     self.left = 0.0
                     return np.array([step, iterations, capped])
                 energy, before = self._assess(dt), 0.0
                 first, _ = self._balance(dt)
             if step == settings.max_newton:
                 break
-            newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
+            step_energy.fill_off_diagonal(self._pattern.pairs, self._pattern.matrix, self._elements)
             made, ended = self._solve(first * settings.linear_error**2, REACH * displacement)
             iterations += made
             capped |= not ended
-            before, down = newton_sums.conjugate(self._rows, before, self._system)
-            energy, displacement, as_told = self._descend(dt, energy, down)
-            before *= as_told
+            before, decrease = linear_system.conjugate(self._rows, before, self._system)
+            energy, displacement, sufficient = self._descend(dt, energy, decrease)
+            before *= sufficient
         self.left = math.sqrt(unbalanced)
         return np.array([step, iterations, 1])
 
@@ -122,58 +125,32 @@ class Newton:
         """Find how points give way to forces where they are."""
         self._assess(dt)
         self._balance(dt)
-        newton_sums.tie(self._pattern.pairs, self._pattern.rows, self._strain)
+        step_energy.fill_off_diagonal(self._pattern.pairs, self._pattern.matrix, self._elements)
 
     def respond(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
-        """By what ways [m] points give way to forces [N], by `linearize`, to a share of the forces that may be left."""
-        first = newton_sums.ask(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
+        """By what displacements [m] points give way to forces [N], by `linearize`; `error`: share of the forces that
+        may be left."""
+        first = linear_system.set_load(self.mesh.count, 2 * self._bodies, self.mesh.points, load, self._system)
         self._solve(first * error**2, 0.0, linear=True)
-        newton_sums.respond(self.mesh.count, self._system, self._given)
+        linear_system.respond(self.mesh.count, self._system, self._given)
         return self._given
 
     def _assess(self, dt: float) -> float:
-        mesh, touches, rows = self.mesh, self.collisions.count, 2 * self._bodies
+        mesh, contacts, rows = self.mesh, self.collisions.count, 2 * self._bodies
         first = mesh.count + mesh.springs + mesh.hinges
-        if touches or rows:
-            tables = self.collisions.touches, self.collisions.loose.tables, self.trial, self._strain["term"]
-            newton_sums.assess_touches(first, touches, rows, *tables)
-        return newton_sums.assess(
-            mesh.air.present,
-            mesh.count,
-            mesh.springs,
-            mesh.hinges,
-            touches + rows,
-            dt,
-            mesh.air.wind,
-            mesh.points,
-            mesh.strands,
-            mesh.angles,
-            mesh.air.drag,
-            self.trial,
-            self._strain,
-        )
+        if contacts or rows:
+            tables = self.collisions.tables, self.collisions.bodies.tables, self.trial, self._elements["energy_term"]
+            step_energy.assess_contacts(first, contacts, rows, *tables)
+        return step_energy.assess(mesh.air.present, contacts + rows, dt, mesh.model, self.trial, self._elements)
 
     def _balance(self, dt: float) -> tuple[float, float]:
         """Find what forces are left; returns r.z, and the sum of r^2 / m over that of the forces that act: on cloth or
         on bodies, whichever is more."""
-        mesh, air, collisions = self.mesh, self.mesh.air, self.collisions
-        newton_sums.stiffen(
-            air.present,
-            mesh.count,
-            dt,
-            air.wind,
-            mesh.points,
-            mesh.strands,
-            mesh.angles,
-            air.drag,
-            self._pattern.rows,
-            self.trial,
-            self._strain,
-            self._system["force"],
-        )
-        bodies = collisions.loose
-        tables = collisions.touches, bodies.tables, bodies.holds, self._pattern.rows, self.trial, self._system
-        first, *sums = newton_sums.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
+        mesh, collisions, bodies = self.mesh, self.collisions, self.collisions.bodies
+        tables = mesh.model, self._pattern.matrix, self.trial, self._elements, self._system["force"]
+        step_energy.differentiate(mesh.air.present, dt, *tables)
+        tables = collisions.tables, bodies.tables, self._pattern.matrix, self.trial, self._system
+        first, *sums = linear_system.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
         # Without gravity, what would count as a change.
         least = (self._weight or self.settings.velocity_error / dt) ** 2
         cloth = sums[0] / max(sums[1], self._mass * least)
@@ -183,29 +160,29 @@ class Newton:
     def _solve(self, enough: float, reach: float, *, linear: bool = False) -> tuple[int, bool]:
         """Conjugate gradients until r.z is not above `enough`; returns iterations, and whether they ended before the
         cap. Contacts that are further than `reach` [m] from pressing do not; `linear`: contacts go on as they do."""
-        mesh, most, touches = self.mesh, self.settings.max_iterations, self.collisions.count
+        mesh, most, contacts = self.mesh, self.settings.max_iterations, self.collisions.count
         collisions, bodies = self.collisions, self._bodies
-        loose = collisions.loose
-        parts = mesh.points, collisions.touches, loose.tables, loose.holds, self._pattern.rows, self._system
-        augmented_lagrangian.wake(touches, reach, collisions.touches)
+        parts = mesh.points, collisions.tables, collisions.bodies.tables, self._pattern.matrix, self._system
+        augmented_lagrangian.activate(contacts, reach, collisions.tables)
         if mesh.alone:
-            made = conjugate_gradients.solve_alone(linear, mesh.count, bodies, touches, most, enough, *parts)
+            made = conjugate_gradients.solve_alone(linear, mesh.count, bodies, contacts, most, enough, *parts)
             return made, made <= most
         for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
-            left = conjugate_gradients.iterate(linear, mesh.count, bodies, touches, *parts)
+            left = conjugate_gradients.iterate(linear, mesh.count, bodies, contacts, *parts)
             if not left > enough:
                 return made, True
         return made, False
 
-    def _descend(self, dt: float, energy: float, down: float) -> tuple[float, float, bool]:
-        """Go along the way found, on which the energy falls by `down` [J] for the whole of it at first, to its end; on
-        if that is where the energy goes on to fall; less far if it does not fall. Returns the energy, the longest way
-        of a point [m], and whether the energy has fallen as much as linear forces would let it."""
+    def _descend(self, dt: float, energy: float, decrease: float) -> tuple[float, float, bool]:
+        """A line search along the direction found, whose predicted decrease of the energy [J] is for the whole of it:
+        to its end; on if that is where the energy goes on to fall; less far if it does not fall. Returns the energy,
+        the longest displacement of a point [m], and whether the energy has fallen as much as linear forces would let
+        it."""
         share, displacement, after = 1.0, *self._try(dt, 1.0)
-        as_told = energy - after > AS_TOLD * down
+        sufficient = energy - after > SUFFICIENT_DECREASE * decrease
         for _ in range(SEARCHES):
-            bend = 2 * (after - energy + share * down) / share**2
-            best = min(down / bend, MOST * share) if bend > 0 else MOST * share
+            curvature = 2 * (after - energy + share * decrease) / share**2
+            best = min(decrease / curvature, MOST * share) if curvature > 0 else MOST * share
             if abs(after - energy) < NEARLY * abs(energy) or best < FURTHER * share:
                 break
             _, found = self._try(dt, best)
@@ -215,26 +192,26 @@ class Newton:
             share, after = best, found
         for _ in range(HALVINGS):
             if after <= energy + ROUNDING * abs(energy) or not math.isfinite(displacement):
-                return after, share * displacement, as_told
+                return after, share * displacement, sufficient
             share /= 2
             _, after = self._try(dt, share)
         return self._try(dt, 0.0)[1], 0.0, False
 
     def _try(self, dt: float, share: float) -> tuple[float, float]:
-        """Go a share of the way found; returns how far all of it takes any point [m], and the energy [J]."""
-        loose = self.collisions.loose
-        tables = loose.reach, loose.tables, self.trial, self._system
-        return newton_sums.move(self.mesh.count, 2 * self._bodies, share, *tables), self._assess(dt)
+        """Go a share of the direction found; returns how far all of it takes any point [m], and the energy [J]."""
+        bodies = self.collisions.bodies
+        tables = bodies.reach, bodies.tables, self.trial, self._system
+        return linear_system.move(self.mesh.count, 2 * self._bodies, share, *tables), self._assess(dt)
 
     def _make_room(self) -> None:
         """Let there be room for the sums over all contacts."""
         mesh = self.mesh
-        needed = self._rows + mesh.springs + mesh.hinges + self.collisions.count + ROWS
+        needed = self._rows + mesh.springs + mesh.hinges + self.collisions.count + PARTITIONS
         if needed > self._term_room:
             self._term_room = needed + self.collisions.count
-            part = vectors(np.zeros((max(self._rows, 2 * self.collisions.count) + ROWS, 3)))
-            self._strain = Strain(**self._strains, term=numbers(np.zeros(self._term_room)))
-            self._system = System(**self._tables, part=part)
+            sum_term = vectors(np.zeros((max(self._rows, 2 * self.collisions.count) + PARTITIONS, 3)))
+            self._elements = ElementForces(**self._element_arrays, energy_term=numbers(np.zeros(self._term_room)))
+            self._system = System(**self._tables, sum_term=sum_term)
 
     @property
     def bytes(self) -> int:

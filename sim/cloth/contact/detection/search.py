@@ -4,8 +4,8 @@ from typing import Any
 
 import taichi as ti
 
-from sim.cloth.contact.ccd import time_of_nearness
-from sim.cloth.contact.proximity import nearest
+from sim.cloth.contact.detection.ccd import time_of_nearness
+from sim.cloth.contact.detection.proximity import nearest
 from sim.cloth.fabric.layout import Weights
 from sim.device.double import Integers, Numbers, Vectors, vec3
 from sim.neighbors.box_tree import meet, next_node
@@ -18,9 +18,17 @@ Hits: Any = ti.types.argpack(
     weight=Weights,
     toward=Vectors,
     narrow=Integers,
+    hit_count=Integers,
 )
 """Pairs that come near: four points, their weights then, and the unit vector to the first primitive; and whether they
-come nearer than they may at all."""
+come nearer than they may at all. How many there are of each query."""
+
+TreeBoxes: Any = ti.types.argpack(leaves=ti.i32, primitives=ti.i32, member=Integers, low=Vectors, high=Vectors)
+"""A tree of boxes around so many primitives, in so many leaves: points of each primitive, and the corners of the boxes
+of nodes [m]."""
+
+SweptPoints: Any = ti.types.argpack(half=Numbers, start=Vectors, end=Vectors, rest=Vectors)
+"""Half the thickness at points [m], where they are before and after a step, and where they were placed [m]."""
 
 
 @ti.kernel
@@ -30,59 +38,53 @@ def find_near(
     crowded: ti.template(),
     queries: ti.i32,
     room: ti.i32,
-    leaves: ti.i32,
-    primitives: ti.i32,
     early: ti.f64,
     least: ti.f64,
     at_rest: ti.f64,
     query: Integers,
-    member: Integers,
-    low: Vectors,
-    high: Vectors,
-    half: Numbers,
-    start: Vectors,
-    place: Vectors,
-    rest: Vectors,
-    number: Integers,
+    tree: TreeBoxes,
+    points: SweptPoints,
     hits: Hits,
 ):
     """For each point, or edge, the triangles, or edges, of a tree that come nearer than `early` of the thickness on the
-    way from `start` to `place` [m], at most `room` of them; `least`: share of the thickness, and of the distance at the
-    start, that has to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it.
-    `crowded`: pairs are no thicker than the share `at_rest` of their distance at `rest` [m]."""
+    way of points, at most `room` of them; `least`: share of the thickness, and of the distance at the start, that has
+    to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it. `crowded`: pairs
+    are no thicker than the share `at_rest` of their distance at rest."""
     for k in range(queries):
         i = query[2 * k] if ti.static(edges) else query[k]
         j = query[2 * k + 1] if ti.static(edges) else i
-        lower = ti.min(ti.min(start[i], place[i]), ti.min(start[j], place[j])) - half[i]
-        upper = ti.max(ti.max(start[i], place[i]), ti.max(start[j], place[j])) + half[i]
-        count, node = 0, ti.select(primitives > 0, 1, 0)
+        lower = ti.min(ti.min(points.start[i], points.end[i]), ti.min(points.start[j], points.end[j])) - points.half[i]
+        upper = ti.max(ti.max(points.start[i], points.end[i]), ti.max(points.start[j], points.end[j])) + points.half[i]
+        count, node = 0, ti.select(tree.primitives > 0, 1, 0)
         if ti.static(itself):
-            node = next_node(leaves + k)
+            node = next_node(tree.leaves + k)
         while node > 0:
-            inside = meet(lower, upper, low[node], high[node])
-            if inside and node < leaves:
+            inside = meet(lower, upper, tree.low[node], tree.high[node])
+            if inside and node < tree.leaves:
                 node = 2 * node
             else:
                 if inside:
-                    t = node - leaves
+                    t = node - tree.leaves
                     a, b, c, d = i, j, 0, 0
                     disjoint = 1
                     if ti.static(edges):
-                        c, d = member[2 * t], member[2 * t + 1]
+                        c, d = tree.member[2 * t], tree.member[2 * t + 1]
                         disjoint = int(i != c and i != d and j != c and j != d)
                         if ti.static(itself) and c < i:
                             a, b, c, d = c, d, i, j
                     else:
-                        b, c, d = member[3 * t], member[3 * t + 1], member[3 * t + 2]
+                        b, c, d = tree.member[3 * t], tree.member[3 * t + 1], tree.member[3 * t + 2]
                         disjoint = int(i != b and i != c and i != d)
                     if disjoint:
-                        thick = half[a] + half[c]
+                        thickness = points.half[a] + points.half[c]
                         if ti.static(crowded):
-                            apart = nearest(edges, rest[a], rest[b], rest[c], rest[d]).apart.norm()
-                            thick = ti.min(thick, at_rest * apart)
-                        pa, pb, pc, pd = start[a], start[b], start[c], start[d]
-                        da, db, dc, dd = place[a] - pa, place[b] - pb, place[c] - pc, place[d] - pd
-                        share = time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, early * thick)
+                            apart = nearest(
+                                edges, points.rest[a], points.rest[b], points.rest[c], points.rest[d]
+                            ).apart.norm()
+                            thickness = ti.min(thickness, at_rest * apart)
+                        pa, pb, pc, pd = points.start[a], points.start[b], points.start[c], points.start[d]
+                        da, db, dc, dd = points.end[a] - pa, points.end[b] - pb, points.end[c] - pc, points.end[d] - pd
+                        share = time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, early * thickness)
                         if share <= 1.0:
                             if count < room:
                                 slot = k * room + count
@@ -97,13 +99,13 @@ def find_near(
                                 hits.corner[4 * slot + 3] = d
                                 hits.weight[slot] = then.weight
                                 hits.toward[slot] = then.apart / ti.max(distance, 1e-30)
-                                kept = least * ti.min(thick, at_start)
+                                kept = least * ti.min(thickness, at_start)
                                 hits.narrow[slot] = int(
                                     time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, kept) <= 1.0
                                 )
                             count += 1
                 node = next_node(node)
-        number[k] = count
+        hits.hit_count[k] = count
 
 
 @ti.kernel
@@ -128,7 +130,6 @@ def gather(
     queries: ti.i32,
     room: ti.i32,
     first: Integers,
-    number: Integers,
     hits: Hits,
     corner_out: ti.types.ndarray(dtype=ti.i32, ndim=2),
     weight_out: ti.types.ndarray(dtype=ti.f64, ndim=2),
@@ -137,7 +138,7 @@ def gather(
 ):
     """Hits one after the other."""
     for k in range(queries):
-        for n in range(number[k]):
+        for n in range(hits.hit_count[k]):
             slot, row = k * room + n, first[k] + n
             for corner in ti.static(range(4)):
                 corner_out[row, corner] = hits.corner[4 * slot + corner]

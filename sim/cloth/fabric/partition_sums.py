@@ -1,0 +1,24 @@
+"""Sums on the device in a fixed order, whatever the number of threads."""
+
+import taichi as ti
+
+from sim.cloth.fabric.layout import PARTITIONS
+
+
+@ti.func
+def sum_partition(partition: ti.i32, count: ti.i32, total: ti.template(), term: ti.template()):
+    """Add one of PARTITIONS ranges of so many terms to `total`, into a place behind them."""
+    size = (count + PARTITIONS - 1) // PARTITIONS
+    whole = total
+    for k in range(ti.min(partition * size, count), ti.min((partition + 1) * size, count)):
+        whole += term[k]
+    term[count + partition] = whole
+
+
+@ti.func
+def sum_partitions(count: ti.i32, total: ti.template(), term: ti.template()):
+    """Add what `sum_partition` left to `total`."""
+    whole = total
+    for partition in range(PARTITIONS):
+        whole += term[count + partition]
+    return whole
