@@ -154,7 +154,7 @@ print(len(found.faces), hashlib.sha256(found.vertices.tobytes() + found.faces.to
 
 def test_the_union_is_the_same_bytes_in_every_process_with_any_number_of_threads():
     """Coordinates are rounded first: those of the balls come from products that are summed in any order."""
-    root = Path(__file__).parents[3]
+    root = Path(__file__).parents[4]
     run = [
         subprocess.run([sys.executable, "-c", UNITED, str(cores)], cwd=root, capture_output=True, text=True, check=True)
         for cores in (1, 2, 2)

@@ -11,7 +11,7 @@ from scene.presets import QUALITIES
 from workflow.budget.calibrate import COARSEST
 from workflow.budget.detail import Presets
 
-SCENES = Path(__file__).resolve().parents[3] / "scenes"
+SCENES = Path(__file__).resolve().parents[4] / "scenes"
 NAMES = ("bunny", "dam_break", "drape", "everything", "tiny/splash")
 
 

@@ -16,7 +16,7 @@ from workflow.study import schema
 from workflow.study.load import load_study
 from workflow.study.plan import StudyPlan
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 STUDY = """\
 description: How exact is free fall?
 scene: ../fall.yaml

@@ -14,7 +14,7 @@ from sim.spec import SimulationSpec
 from tests.in_time import in_time
 from workflow.plan.sources import MATERIALS, closure
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 COUPLING = ROOT / "sim" / "coupling"
 NEEDED = {
     "cloth_solids.py": {"cloth"},

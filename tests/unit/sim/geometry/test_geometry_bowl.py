@@ -11,7 +11,7 @@ from scene.load import load
 from sim.geometry.meshes.topology import Topology, components, signed_volume
 from sim.geometry.solids import MeshSolid, Pose
 
-SCENES = Path(__file__).resolve().parents[3] / "scenes"
+SCENES = Path(__file__).resolve().parents[4] / "scenes"
 MODELS = SCENES / "models"
 NAMES = ("bowl", "water")
 

@@ -19,7 +19,7 @@ from workflow.reconstruct import run
 from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec
 from workflow.stages.surface.surface import reconstruct
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 RADIUS = 0.02
 FLUID = np.dtype([(name, "<f4") for name in ("x", "y", "z", "vx", "vy", "vz", "density")] + [("id", "<i4")])
 

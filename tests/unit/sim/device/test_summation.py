@@ -7,7 +7,7 @@ import numpy as np
 
 def test_sums_in_order_are_those_of_a_loop(taichi):
     """Terms of which the great ones cancel: what is left of the others tells the order."""
-    from tests.unit.sim import summed
+    from tests.unit.sim.device import summed
 
     rng = np.random.default_rng(5)
     first = np.arange(0, 3201, 32, dtype=np.int32)
@@ -27,7 +27,7 @@ def test_sums_in_order_are_those_of_a_loop(taichi):
 def test_later_kernels_are_compiled_as_chosen(taichi):
     from taichi.lang.impl import current_cfg
 
-    from tests.unit.sim import summed
+    from tests.unit.sim.device import summed
 
     summed.as_written(*(np.zeros(n, kind) for n, kind in ((2, np.int32), (1, np.int32), (1, float), (1, float))))
     assert current_cfg().fast_math

@@ -17,7 +17,7 @@ from workflow.plan.jobs import Plan
 from workflow.stages.film.spec import FilmSpec
 from workflow.stages.surface.spec import SurfaceSpec
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 BOX = {"type": "box", "size": [1, 1, 1]}
 WATER = {"particle_radius": 0.1, "bodies": {"block": {"shape": BOX}}}
 STONE = {"bodies": {"stone": {"motion": "static", "shape": BOX}}}

@@ -11,7 +11,7 @@ import pytest
 
 from tests.in_time import in_time
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 FLUID = {"solver": "dfsph", "particle_radius": 0.02, "bodies": {"b": {"shape": {"type": "sphere", "radius": 0.06}}}}
 FEATURES = {
     "surface_tension": {"surface_tension": 0.07, "surface_tension_model": "akinci2013"},

@@ -12,7 +12,7 @@ import pytest
 from scene.settings import Refused
 from sim.device import kernel_cache
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = """
 import sim
 import numpy as np

@@ -17,7 +17,7 @@ from workflow.budget.spacings import FLUID, fineness_of_spacing, fluid_size
 from workflow.plan.shelf import STUDY_FILES
 from workflow.study.load import load_study
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 """Of the project: its folder scenes/ is looked at."""
 
 

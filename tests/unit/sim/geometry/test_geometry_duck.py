@@ -10,7 +10,7 @@ import trimesh
 from sim.geometry.meshes.topology import Topology, components, signed_volume
 from sim.geometry.solids import MeshSolid, Pose
 
-MODELS = Path(__file__).resolve().parents[3] / "scenes" / "models"
+MODELS = Path(__file__).resolve().parents[4] / "scenes" / "models"
 SPACING = 0.0123
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 DECLARED = re.compile(r'Declared\(\s*"(\w+)"')
 USED = re.compile(r"\bparticles\.(\w+)")
 OWN = re.compile(r"def (\w+)|self\.(\w+)\b")

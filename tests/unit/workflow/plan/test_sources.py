@@ -9,7 +9,7 @@ import pytest
 
 from workflow.plan.sources import PACKAGES, closure, digest
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 
 FILES = {
     "sim/__init__.py": "",

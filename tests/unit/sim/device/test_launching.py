@@ -12,7 +12,7 @@ COUNT = 5
 
 @pytest.fixture
 def arrays(taichi):
-    from tests.unit.sim import launched
+    from tests.unit.sim.device import launched
 
     def make():
         one, other = taichi.ndarray(taichi.f64, COUNT), taichi.Vector.ndarray(3, taichi.f64, COUNT)
@@ -24,7 +24,7 @@ def arrays(taichi):
 
 @pytest.fixture
 def add(taichi):
-    from tests.unit.sim import launched
+    from tests.unit.sim.device import launched
 
     return lambda double, factor, way, table, pack: launched.add(
         double, COUNT, factor, launched.vec3(*way), table, pack

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from tests.unit.sim.test_rigid_not_loaded import CODE, MOTIONS, ROOT, modules_below
+from tests.unit.sim.run.test_rigid_not_loaded import CODE, MOTIONS, ROOT, modules_below
 
 MODULES = modules_below("cloth")
 MODULES |= {"sim.coupling.cloth_solids", "sim.neighbors.box_tree"}

@@ -14,7 +14,7 @@ from workflow.budget.pilot import Drawn, Simulated
 from workflow.budget.spacings import spacing
 from workflow.plan.memory import particles
 
-SCENE = Path(__file__).resolve().parents[3] / "scenes" / "dam_break.yaml"
+SCENE = Path(__file__).resolve().parents[4] / "scenes" / "dam_break.yaml"
 STEP, EACH, ITERATION = 2e-3, 1e-7, 3e-8
 """Seconds of a step, of its particle, and of the particle's iteration."""
 
