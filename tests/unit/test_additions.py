@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.particles import read_frame, velocities
+from tests.support.particles import read_frame, velocities
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY_POINTS = """\

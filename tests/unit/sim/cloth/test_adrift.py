@@ -7,7 +7,7 @@ import pytest
 
 from sim.cloth.contact.collision import Known
 from sim.cloth.contact.search import EDGE, PLANE, POINT
-from tests.cloths import part, sheet
+from tests.support.cloths import part, sheet
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.crossing import crossed
+from tests.support.crossing import crossed
 
 NONE = np.zeros((0, 3), int)
 

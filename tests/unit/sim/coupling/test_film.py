@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from sim.coupling.fluid_rigid.lubrication import Lubrication, elements
-from tests.floating import RHO, G, pool
+from tests.support.floating import RHO, G, pool
 
 SHAPES = {
     "box": trimesh.creation.box(extents=[0.2, 0.1, 0.3]),

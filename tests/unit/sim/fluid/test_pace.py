@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.systems import load
+from tests.support.systems import load
 
 WAY = 0.004
 

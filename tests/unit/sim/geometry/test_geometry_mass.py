@@ -10,7 +10,7 @@ from scene.settings import Refused
 from sim.geometry.mass import from_covariance, mass_properties
 from sim.geometry.shapes import place
 from sim.geometry.spec import Box, Capsule, Cylinder, Placement, Plane, Sphere, Torus
-from tests.meshes import bow_tie, figure_of_eight
+from tests.support.meshes import bow_tie, figure_of_eight
 
 DENSITY = 800.0
 

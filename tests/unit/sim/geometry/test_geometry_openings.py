@@ -8,7 +8,7 @@ from scene.settings import Refused
 from sim.geometry.meshes.openings import openings
 from sim.geometry.meshes.repair import repair
 from sim.geometry.meshes.topology import joined
-from tests.surfaces import bottle, bowl, revolved, tray
+from tests.support.surfaces import bottle, bowl, revolved, tray
 
 
 def without(mesh, faces):

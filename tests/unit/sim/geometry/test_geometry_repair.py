@@ -9,7 +9,7 @@ from sim.geometry.meshes.repair import repair
 from sim.geometry.meshes.topology import cleaned
 from sim.geometry.shapes import load_mesh
 from sim.geometry.spec import MeshFile
-from tests.meshes import with_a_seam
+from tests.support.meshes import with_a_seam
 
 
 def closed_by_trimesh(mesh):

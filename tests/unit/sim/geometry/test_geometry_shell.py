@@ -11,8 +11,8 @@ from sim.geometry.meshes.topology import Topology
 from sim.geometry.meshes.union import united
 from sim.geometry.shapes import place
 from sim.geometry.spec import MeshFile, Placement
-from tests.meshes import write
-from tests.surfaces import bowl, tray
+from tests.support.meshes import write
+from tests.support.surfaces import bowl, tray
 
 THICKNESS = 0.1
 

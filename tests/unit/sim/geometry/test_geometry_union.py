@@ -14,7 +14,7 @@ from sim.geometry.meshes.repair import repair
 from sim.geometry.meshes.topology import Topology, joined
 from sim.geometry.meshes.union import united
 from sim.geometry.solids import MeshSolid, Pose
-from tests.meshes import bow_tie, figure_of_eight
+from tests.support.meshes import bow_tie, figure_of_eight
 
 
 def box(size, centre=(0, 0, 0)):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bodies import ball, box, part, step, turn
+from tests.support.bodies import ball, box, part, step, turn
 
 
 def contacts(bodies: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

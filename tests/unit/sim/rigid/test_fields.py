@@ -7,7 +7,7 @@ import pytest
 
 from sim.geometry.shapes import place
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Sphere, Torus
-from tests.in_time import in_time
+from tests.support.in_time import in_time
 
 SHAPES = {
     "box": Box(type="box", size=(0.3, 0.5, 0.2)),

@@ -7,8 +7,8 @@ import pytest
 from sim.run.output import Output
 from sim.run.stepping import Run
 from sim.spec import Event, SimulationSpec
-from tests.floating import BOX, box_in_pool
-from tests.in_time import in_time
+from tests.support.floating import BOX, box_in_pool
+from tests.support.in_time import in_time
 
 CHANGES = {
     0: {"set": {"gravity": [0, -5, 0]}},

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.in_time import in_time
+from tests.support.in_time import in_time
 
 ROOT = Path(__file__).resolve().parents[4]
 FLUID = {"solver": "dfsph", "particle_radius": 0.02, "bodies": {"b": {"shape": {"type": "sphere", "radius": 0.06}}}}

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from sim.spec import SimulationSpec
-from tests.in_time import in_time
+from tests.support.in_time import in_time
 from workflow.plan.sources import MATERIALS, closure
 
 ROOT = Path(__file__).resolve().parents[4]

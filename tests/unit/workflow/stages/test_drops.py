@@ -9,8 +9,8 @@ import pytest
 
 from scene.presets import PRESETS
 from sim.bodies.wall import Wall
-from tests.lattices import lattice
-from tests.meshes import open_edges
+from tests.support.lattices import lattice
+from tests.support.meshes import open_edges
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.surface import reconstruct

@@ -13,7 +13,7 @@ import pytest
 
 from common.ply import BadPly, columns, read_points
 from scene.presets import PRESETS, QUALITIES
-from tests.meshes import open_edges
+from tests.support.meshes import open_edges
 from workflow.plan.timeline import Frames
 from workflow.reconstruct import run
 from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec

@@ -7,8 +7,8 @@ import pytest
 
 from sim.bodies.wall import Wall
 from sim.spec import SimulationSpec
-from tests.lattices import lattice
-from tests.meshes import open_edges
+from tests.support.lattices import lattice
+from tests.support.meshes import open_edges
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.standing import standing_walls

@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 from scene.document import SceneError, read
-from tests import falling_ball
+from tests.support import falling_ball
 from workflow.plan.jobs import ENTRY
 from workflow.plan.shelf import STUDY_FILES
 from workflow.study import schema

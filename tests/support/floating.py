@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.particles import positions, read_frame, read_table, velocities
+from tests.support.particles import positions, read_frame, read_table, velocities
 
 RHO, G = 1000.0, 9.81
 EDGE = 0.1

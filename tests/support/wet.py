@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from plyfile import PlyData
 
-from tests.particles import positions, read_frame, velocities
-from tests.passing import went_through
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.passing import went_through
 
 if TYPE_CHECKING:
     from sim.run.world import World
@@ -65,8 +65,8 @@ def below(water: np.ndarray, points: np.ndarray, triangles: np.ndarray) -> int:
 
 
 def leaks(data: dict[str, Any], seconds: float) -> tuple[int, World]:
-    """Step for a time [s]; how often a particle went through the cloth, by the checker of `tests.passing`, and the
-    world at the end."""
+    """Step for a time [s]; how often a particle went through the cloth, by the checker of `tests.support.passing`, and
+    the world at the end."""
     from sim.run.stepping import Run
     from sim.spec import SimulationSpec
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tests.in_time import in_time
-from tests.particles import read_table
+from tests.support.in_time import in_time
+from tests.support.particles import read_table
 
 SOLVERS = ("wcsph", "pcisph", "iisph", "dfsph")
 INCOMPRESSIBLE = SOLVERS[1:]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.passing import edges_of
+from tests.support.passing import edges_of
 
 
 def crossed(places: np.ndarray, triangles: np.ndarray, cloth: np.ndarray | None = None, *, portion: int = 400) -> int:

@@ -86,8 +86,8 @@ def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
 
 
 def passages(world, seconds: float, dt: float) -> int:
-    """Step for a time [s]; returns how many pairs met on the way, by the checker of `tests.passing`."""
-    from tests.passing import passed
+    """Step for a time [s]; returns how many pairs met on the way, by the checker of `tests.support.passing`."""
+    from tests.support.passing import passed
 
     mesh = world.cloth.mesh
     triangles = np.concatenate([mesh.triangles, world.cloth.solids.triangles + mesh.count])
