@@ -84,13 +84,13 @@ class WaterHeight(Settings):
 
 
 class Pressure(Settings):
-    """Pressure of the fluid at a point [Pa]; beside a solid, the pressure on it there."""
+    """Pressure of the fluid at a point [Pa]; beside a solid, what it exerts there."""
 
     type: Literal["pressure"]
     at: Position
     rate: Frequency | None = None
     mean: bool = False
-    """Each row is the mean since the previous one instead of an instantaneous value: peaks are filtered."""
+    """Each row is the mean over the time since the one before, and not the value at its time: peaks are filtered."""
 
 
 class Front(Settings):
@@ -109,7 +109,7 @@ class Volume(Settings):
 
 
 class Region(Settings):
-    """An axis-aligned box."""
+    """A box along the axes."""
 
     low: Position
     high: Position
@@ -127,11 +127,11 @@ class BodyForce(Settings):
     type: Literal["force"]
     body: Name
     region: Region | None = None
-    """Only the force on the part of the surface that is inside at the time of the row."""
+    """Only what acts on the part of the surface that is in here at the time of the row."""
     rate: Frequency | None = None
     mean: bool = False
-    """Each row is the mean since the previous one instead of an instantaneous value; the impulse since the start [N
-    s] is recorded, too."""
+    """Each row is the mean over the time since the one before, and not the value at its time; the impulse since the
+    start [N s] is told, too."""
 
 
 class VertexPosition(Settings):

@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.export", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scene", help="name of a scene, such as bunny")
+    parser.add_argument("scene", help="name of a scene, as bunny")
     parser.add_argument("--out", required=True, metavar="FILE", help="bunny.usdc, bunny.usda, bunny.abc or bunny.blend")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--frames", type=frames, metavar="A:B", help="first and last, both included (default: all)")
