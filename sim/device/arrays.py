@@ -74,6 +74,7 @@ class Particles:
         self._allocate()
 
     def _allocate(self) -> None:
+        self._bundles: dict[tuple[int, ...], Any] = {}
         self._spare: dict[str, ti.Ndarray] = {}
         """One array of each element beside those declared, to sort into: what is sorted from is the next."""
         for field in self.declared:
@@ -85,6 +86,18 @@ class Particles:
         array = ti.ndarray(_ELEMENTS[field.element][0], self.capacity)
         array.fill(0)
         return array
+
+    def bundle(self, kind: Any, **elsewhere: str) -> Any:
+        """The arrays that an argument pack of this `kind` (`ti.types.argpack`) has as members: of the same names, or of
+        those that are given for them `elsewhere`.
+
+        Taichi takes a third of a millisecond to make one, and sorting swaps arrays in turn, so each is kept.
+        """
+        arrays = [getattr(self, elsewhere.get(name, name)) for name in kind.members]
+        key = (id(kind), *map(id, arrays))
+        if key not in self._bundles:
+            self._bundles[key] = kind(*arrays)
+        return self._bundles[key]
 
     def reorder(self, order: ti.Ndarray | np.ndarray, count: int | None = None) -> None:
         """Bring the sorted arrays into `order`: element i comes from order[i]; `count` keeps the first of them only."""

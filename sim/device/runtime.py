@@ -9,7 +9,7 @@ import os
 import sys
 
 from common.registry import packages
-from sim.device import compilation, kernel_cache, launching, summation
+from sim.device import argument_packs, compilation, kernel_cache, launching, summation
 from sim.device.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -51,6 +51,7 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     offline_cache_cleaning_policy="lru",
                     log_level=ti.ERROR,
                 )
+            argument_packs.tell_apart()
             compilation.watch()
             launching.forget()
             if device == "cpu":

@@ -15,7 +15,7 @@ from sim.fluid import load_solver
 from sim.fluid.boundary.boundary import Boundary
 from sim.fluid.boundary.shapes import BoundarySolid, Shapes
 from sim.fluid.forces.registry import force_arrays
-from sim.fluid.forces.velocity_smoothing import mixing_arrays, viscosity_is_implicit
+from sim.fluid.forces.velocity_smoothing import smoothing_arrays, viscosity_is_implicit
 from sim.fluid.seeding.seed import Room, Seed, seed
 from sim.fluid.seeding.sources import Source
 from sim.fluid.spec import Fluid
@@ -146,7 +146,7 @@ class FluidModel:
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
         signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
         implicit = not surroundings.sheets and viscosity_is_implicit(fluid, gravity, signal)
-        arrays = solver.ARRAYS + force_arrays(fluid) + mixing_arrays(fluid, implicit)
+        arrays = solver.ARRAYS + force_arrays(fluid) + smoothing_arrays(fluid, implicit)
         if boundary.has_bodies or probed:
             arrays += solver.SAMPLE_ARRAYS
         boundary.shapes.set_floor(gravity, self._level)

@@ -2,16 +2,16 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, DoubleTable, IntArray, Particles, RealArray, Vec4Array, real, vec3
+from sim.device.arrays import Declared, DoubleTable, IntArray, Particles, Vec4Array, real, vec3
 from sim.fluid.boundary.boundary import Boundary
-from sim.fluid.boundary.gaps import relieved
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.kernel import cubic_host, particle_mass
-from sim.fluid.packed import DENSITY, DISTANCE, Q
+from sim.fluid.layout import DENSITY, DISTANCE, Points, Q, Resolution, Walls
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
 from sim.neighbors.spatial_hash import HashGrid, NeighborList
@@ -28,6 +28,8 @@ PARTICLES = (
     Declared("eased", "real", "share of the rest density that solids add, and that does not press yet"),
     Declared("known", "real", "what solids added before they were listed anew, and 1; or nothing", saved=False),
 )
+
+Moving: Any = ti.types.argpack(position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array)
 
 ROW = 21
 """Numbers of a block of particles that a measure is made of."""
@@ -173,6 +175,7 @@ class FluidSystem:
         self.boundary = boundary
         self.h = spec.support_radius
         self.mass = particle_mass(spec.spacing, self.h, spec.rest_density)
+        self.resolution = Resolution(self.h, spec.spacing, self.mass, spec.rest_density)
         self.particles = Particles(PARTICLES + extra, 0)
         self.grid = HashGrid(0, self.h * (1 + skin))
         self.neighbors = NeighborList(64)
@@ -194,14 +197,6 @@ class FluidSystem:
         """The solver's forces that positions and velocities give."""
         self.flow: Exchange | None = None
         self.bodies: Bodies | None = None
-
-    @property
-    def lists(self) -> tuple[ti.Ndarray | bool, ...]:
-        """Neighbours as kernels take them: size and index of the lists of particles, whether there are samples of
-        sheets, the samples, and size and index of their lists."""
-        boundary = self.boundary
-        near, near_samples = self.neighbors, boundary.neighbors
-        return near.size, near.index, boundary.sampled > 0, boundary.samples, near_samples.size, near_samples.index
 
     @property
     def count(self) -> int:
@@ -226,7 +221,7 @@ class FluidSystem:
         how far [m] any of them has moved in it at most."""
         self._noted = self.boundary.shapes.meshes and self._listed and self._distance_left <= distance
         if self._noted:
-            self.meet(pulls=False)
+            self.update_half_spaces(pulls=False)
             self.boundary.faces.note(self.count, self.particles.known)
         if self.flow and self.flow.exchange(dt):
             self._distance_left = 0.0
@@ -237,25 +232,23 @@ class FluidSystem:
         if self.flow:
             self.flow.lead()
 
-    def meet(
+    def update_half_spaces(
         self,
         ahead: float = 0.0,
         *,
         since: float | None = None,
-        position: ti.Ndarray | None = None,
+        position: str = "position",
         pulls: bool = True,
     ) -> None:
-        """Find what solids are to particles that will be `ahead` [s], or at `position`; without `pulls` these stay.
+        """Find what solids are to particles that will be `ahead` [s], by the array of this name; without `pulls` these
+        stay.
         `since`: the time [s] since this was last told; then what is caught between two is led and let out, by changing
         its velocity and slack."""
-        particles = self.particles
         self.boundary.faces.place(
-            particles.position if position is None else position,
-            particles.velocity,
+            self.particles.bundle(Points, position=position),
             self.count,
             ahead,
-            slack=particles.slack,
-            eased=particles.eased,
+            gaps=True,
             since=since,
             fall=self._fall,
             rest_density=self.spec.rest_density,
@@ -275,7 +268,7 @@ class FluidSystem:
                 self.bodies.list()
             return
         if self._distance_left > 0:
-            self.meet(since=dt)
+            self.update_half_spaces(since=dt)
             return
         self._distance_left = self._skin / 2
         self.particles.reorder(self.grid.sort(self.particles.position, self.count))
@@ -292,7 +285,7 @@ class FluidSystem:
     def find_solids(self, dt: float = 0.0) -> None:
         """List the solids near particles as they lie, which need not be sorted, `dt` [s] after the last time."""
         self.boundary.list(self.particles.position, self.count)
-        self.meet(since=dt)
+        self.update_half_spaces(since=dt)
 
     def pressures(self) -> np.ndarray:
         """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
@@ -310,18 +303,11 @@ class FluidSystem:
             return STILL
         _measure(
             self.count,
-            self.particles.position,
-            self.particles.velocity,
-            self.particles.acceleration,
-            self.spec.rest_density,
+            self.particles.bundle(Moving),
             self.neighbors.size,
-            self.boundary.faces.begin,
-            self.boundary.faces.size,
-            self.boundary.faces.face,
-            self.boundary.faces.share,
-            self.boundary.faces.excess,
+            self.boundary.faces.lists,
+            self.resolution,
             self._alone,
-            self.h / 2,
             vec3(*self.gravity),
             distance,
             speed_limit,
@@ -368,18 +354,11 @@ def _height(count: float, depth: float, squared: float, gravity: float) -> float
 @ti.kernel
 def _measure(
     count: ti.i32,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    acceleration: Vec4Array,
-    rest_density: real,
+    p: Moving,
     near: IntArray,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    share: Vec4Array,
-    excess: RealArray,
+    walls: Walls,
+    fluid: Resolution,
     alone: real,
-    deepest: real,
     gravity: vec3,
     distance: real,
     speed_limit: real,
@@ -388,15 +367,16 @@ def _measure(
     partial: DoubleTable,
 ):
     for block in range(BLOCKS):
+        deepest, rest_density = 0.5 * fluid.h, fluid.rest_density
         row = ti.Vector([0.0] * ROW, dt=ti.f64)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
-            x, v, a = position[i], velocity[i], acceleration[i]
+            x, v, a = p.position[i], p.velocity[i], p.acceleration[i]
             v2, a2 = v.xyz.dot(v.xyz), a.xyz.dot(a.xyz)
             row[0] = ti.max(row[0], v2)
             row[1] = ti.max(row[1], a2)
             fallen = gravity.dot(x.xyz) + level
-            if near[i] > 0 or solids_near[i] > 0 or fallen <= deepest * gravity.norm():
+            if near[i] > 0 or walls.size[i] > 0 or fallen <= deepest * gravity.norm():
                 row[2] = ti.max(row[2], 0.5 * ti.sqrt(v2) + ti.sqrt(0.25 * v2 + distance * ti.sqrt(a2)))
                 row[18] += 1.0
                 row[19] += ti.cast(fallen, ti.f64)
@@ -405,10 +385,10 @@ def _measure(
             for axis in ti.static(range(3)):
                 row[4 + axis] += v[axis]
                 row[7 + axis] += x[axis]
-            density = relieved(v[DENSITY], rest_density, excess[i])
+            density = pressing_density(v[DENSITY], rest_density, walls.excess[i])
             row[10] = ti.max(row[10], density)
-            crowded = v[DENSITY] - ti.max(share[i].w - alone, 0.0) * rest_density
-            row[16] = ti.max(row[16], relieved(crowded, rest_density, excess[i]))
+            crowded = v[DENSITY] - ti.max(walls.share[i].w - alone, 0.0) * rest_density
+            row[16] = ti.max(row[16], pressing_density(crowded, rest_density, walls.excess[i]))
             row[11] += ti.max(density / rest_density - 1.0, 0.0)
             row[17] = ti.max(row[17], x[Q])
             finite = (
@@ -420,8 +400,8 @@ def _measure(
             )
             if not finite:
                 row[12] += 1.0
-            for e in range(begin[i], begin[i] + solids_near[i]):
-                if face[e][DISTANCE] < -deepest:
+            for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                if walls.face[e][DISTANCE] < -deepest:
                     row[13] += 1.0
             if v2 > speed_limit * speed_limit + 2.0 * ti.max(fallen, 0.0):
                 row[14] += 1.0

@@ -7,6 +7,8 @@ Within a period the numbering is linear with x running fastest, so that the cell
 the fine division along x lets a search skip the ends of the rows that its sphere does not reach.
 """
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
@@ -20,6 +22,9 @@ ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
 """Rows of cells around a particle's own, nearest in memory first."""
 SLACK = 1e-3
 """Share of the radius by which the reach along a row is too long rather than too short, for rounding."""
+
+Neighbors: Any = ti.types.argpack(size=IntArray, index=IntTable)
+"""Of each particle, how many neighbours are listed, and which."""
 
 
 @ti.func
@@ -102,6 +107,7 @@ class NeighborList:
         self._rows = rows
         self.size = ti.ndarray(ti.i32, rows)
         self.index = ti.ndarray(ti.i32, (rows, self.capacity))
+        self.lists = Neighbors(self.size, self.index)
 
     def build(self, position: ti.Ndarray, count: int, cells: HashGrid, other: ti.Ndarray, *, same: bool) -> None:
         """List the `other` points, sorted into `cells`, within their radius of each particle.

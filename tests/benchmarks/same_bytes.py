@@ -5,6 +5,9 @@ python tests/benchmarks/same_bytes.py REVISION [scenes/tiny/splash.yaml ...]
 Without scenes it takes those of scenes/tiny, and of each the first --frames. The earlier version is checked out beside
 this one, and runs with the same packages. Compared are particles, meshes and tables, and the arrays of states; what
 tells how long something took is left out. Exit 1 where something differs.
+
+LLVM chooses in which order sums of fluids are added, and chooses another where a kernel is written in another way. With
+--exact-math both versions add in the order that is written: what then is the same was the same but for that.
 """
 
 from __future__ import annotations
@@ -21,6 +24,13 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
+EXACT = """
+import runpy
+from sim.device import summation
+summation.AS_WRITTEN = ("sim.",)
+runpy.run_module("sim", run_name="__main__", alter_sys=True)
+"""
+"""The program `sim`, which adds everywhere as written."""
 LEFT_OUT = {"summary.json"}
 TIMES = "wall_s"
 
@@ -29,7 +39,8 @@ def results(tree: Path, scene: Path, options: argparse.Namespace) -> dict[str, s
     """Digests of what a scene gives by the sources in `tree`, by file, and by array of a state."""
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
-        command = [sys.executable, "-m", "sim", "run", scene, "--out", out, "--quiet", "--arch", "cpu"]
+        program = ["-c", EXACT] if options.exact_math else ["-m", "sim"]
+        command = [sys.executable, *program, "run", scene, "--out", out, "--quiet", "--arch", "cpu"]
         command += ["--quality", options.quality, "--threads", options.threads]
         command += ["--frames", f"0:{options.frames}"] if options.frames else []
         given = os.environ | {"PYTHONPATH": str(tree)}
@@ -66,6 +77,7 @@ def main() -> int:
     parser.add_argument("--quality", default="draft")
     parser.add_argument("--frames", type=int, help="the last one (default: all)")
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--exact-math", action="store_true", help="add in the order in which sums are written")
     options = parser.parse_args()
     differing = 0
     with tempfile.TemporaryDirectory() as name:

@@ -3,7 +3,7 @@
 import taichi as ti
 
 from sim.device.arrays import DoubleTable, IntArray, Vec4Array
-from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.boundary.pose import surface_velocity
 
 
 @ti.kernel

@@ -99,7 +99,7 @@ def test_lists_of_what_is_near_are_empty_where_there_is_no_fluid(of):
     run.start()
     system = run.world.fluid.system
     if of is ball:
-        assert not system.bodies.reaction.ends.to_numpy().any()
+        assert not system.bodies.reaction.sums.ends.to_numpy().any()
     else:
         sizes = system.bodies.reaction.near.size.to_numpy()
         assert len(sizes) >= system.boundary.sheets.count > 0

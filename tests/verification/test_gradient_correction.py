@@ -75,7 +75,7 @@ def test_linear_velocities_have_the_divergence_of_their_gradient(taichi, tmp_pat
         gradient[:, [0, 2]] = 0.0
     x = block(np.random.default_rng(1))
     system, _, _ = system_of(x, x @ gradient.T, np.zeros(3), tmp_path, wall=wall)
-    system.meet(0.0)
+    system.update_half_spaces(0.0)
     before = here(system, "velocity")[:, 3]
     compression_rates(system, DT, 0.0)
     rate = (here(system, "source") - (before - 1000.0)) / DT / 1000.0
@@ -91,12 +91,13 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
     """q = x_z over a lattice: layers next to a wall are accelerated as those inside are, or water at rest would sink or
     rise along upright walls. In an edge the product of what both walls take is nearly what both together do."""
     from sim.device.arrays import vec4
+    from sim.fluid.forces.pairwise import Lens
     from sim.fluid.pressure.gradient_correction import compression_rates
     from tests.support.pushed import push_along
 
     x = block(np.random.default_rng(1), 0.0)
     system, _, _ = system_of(x, np.zeros_like(x), np.zeros(3), tmp_path, wall=wall)
-    system.meet(0.0)
+    system.update_half_spaces(0.0)
     compression_rates(system, DT, 0.0)
     particles, near, faces = system.particles, system.neighbors, system.boundary.faces
     place = here(system, "position")
@@ -108,15 +109,9 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
     out = taichi.ndarray(vec4, len(x))
     push_along(
         particles.position,
-        particles.correction,
-        particles.skew,
-        near.size,
-        near.index,
-        faces.begin,
-        faces.size,
-        faces.face,
-        faces.held,
-        faces.fit,
+        particles.bundle(Lens),
+        near.lists,
+        faces.lists,
         1.0 / H,
         out,
     )
@@ -136,7 +131,7 @@ def test_pressure_keeps_momentum_and_angular_momentum(taichi, tmp_path, disorder
     rng = np.random.default_rng(2)
     x = block(rng, disorder)
     system, solver, before = system_of(x, rng.normal(size=x.shape), np.zeros(3), tmp_path, wall=False)
-    system.meet(0.0)
+    system.update_half_spaces(0.0)
     compression_rates(system, DT, 0.0)
     solver.divergence.solve(DT, 0.0, 3, 3, warm=False, ahead=0.0)
     change, place = here(system, "velocity")[:, :3] - before, here(system, "position")[:, :3]
@@ -154,7 +149,7 @@ def test_no_energy_comes_of_taking_compression_away(taichi, tmp_path):
     rng = np.random.default_rng(3)
     x = block(rng)
     system, solver, v = system_of(x, rng.normal(size=x.shape), np.zeros(3), tmp_path, wall=True)
-    system.meet(0.0)
+    system.update_half_spaces(0.0)
     compression_rates(system, DT, 0.0)
     solver.divergence.solve(DT, 0.0, 30, 30, warm=False, ahead=0.0)
     assert (here(system, "velocity")[:, :3] ** 2).sum() < (v**2).sum()

@@ -60,7 +60,7 @@ def faces_at(solids, points, h=H, start=None):
     faces = Faces(Shapes(solids, np.zeros(3), SPACING, h), SPACING, h, h)
     here = vectors(start)
     faces.find(here, len(points))
-    faces.place(here, vectors(points - start), len(points), 1.0)
+    faces.place(faces.points(here, vectors(points - start)), len(points), 1.0)
     return faces
 
 
@@ -322,6 +322,7 @@ def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     from sim.device.arrays import real
     from sim.fluid.boundary.face_sums import SUDDEN
     from sim.fluid.boundary.gaps import PACE
+    from sim.fluid.layout import Points
 
     ball = crumpled(1.2 * SPACING, 8 * SPACING)
     export(ball, tmp_path / "scan.ply")
@@ -339,7 +340,7 @@ def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     fall = 9.81 * SPACING
 
     def go_on(dt):
-        faces.place(here, still, count, 0.0, slack=slack, eased=eased, since=dt, fall=fall, rest_density=1000.0)
+        faces.place(Points(here, still, slack, eased), count, 0.0, gaps=True, since=dt, fall=fall, rest_density=1000.0)
 
     faces.find(here, count)
     go_on(0.0)

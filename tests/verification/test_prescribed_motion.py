@@ -158,7 +158,7 @@ def test_half_spaces_follow_on_the_device(case, tmp_path):
         here = np.concatenate((points, off_ball)) - origin
         x.from_numpy(np.column_stack((here, np.zeros(7))).astype(numpy_real))
         faces.find(x, 7)
-        faces.place(x, v, 7, 0.0)
+        faces.place(faces.points(x, v), 7, 0.0)
         np.testing.assert_array_equal(faces.size.to_numpy()[:7], 1)
         entry = faces.begin.to_numpy()[:7]
         np.testing.assert_array_equal(faces.solid.to_numpy()[entry], [1] * 6 + [0])

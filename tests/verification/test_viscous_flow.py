@@ -93,7 +93,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     """
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import BoundarySolid, Shapes, half_space
-    from sim.fluid.forces.velocity_smoothing import mixing_arrays
+    from sim.fluid.forces.velocity_smoothing import smoothing_arrays
     from sim.fluid.pressure import projection
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
@@ -114,7 +114,7 @@ def channel(points: np.ndarray, walls: str, g: float, **settings):
     boundary.aim(np.array(motions, dtype=float).reshape(-1, 18))
     boundary.move()
     implicit = spec.viscosity_solver == "implicit"
-    arrays = projection.ARRAYS + mixing_arrays(spec, implicit)
+    arrays = projection.ARRAYS + smoothing_arrays(spec, implicit)
     system = FluidSystem(spec, np.array([g, 0, 0]), boundary, arrays, implicit_viscosity=implicit)
     load(system, points, density=spec.rest_density)
     system.find_neighbors()
@@ -127,11 +127,11 @@ def flow(system, dt: float, times: list[float], *, beside: bool = False):
     beside: friction between particles is found beside densities, as for `iisph` and `dfsph`.
     """
     from sim.fluid.forces.momentum import Momentum
-    from sim.fluid.forces.velocity_smoothing import Mixing
+    from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
     from sim.fluid.pressure.incompressible import kick
     from sim.fluid.pressure.projection import Projection
 
-    momentum, mixing = Momentum(system, pressure=False, friction_known=beside), Mixing(system)
+    momentum, smoothing = Momentum(system, pressure=False, friction_known=beside), VelocitySmoothing(system)
     projection = Projection(system, momentum.viscosity)
     particles, step = system.particles, 0
     for time in times:
@@ -140,7 +140,7 @@ def flow(system, dt: float, times: list[float], *, beside: bool = False):
                 projection.prepare()
             momentum.accelerate()
             kick(system.count, dt, particles.velocity, particles.acceleration)
-            told = mixing.mix(dt)
+            told = smoothing.smooth(dt)
             velocity = particles.velocity.to_numpy()
             velocity[:, 1:3] = 0
             particles.velocity.from_numpy(velocity)
@@ -255,10 +255,10 @@ def test_viscosity_keeps_momentum_and_angular_momentum(taichi, points, solver):
     system.particles.velocity.from_numpy(velocity)
     before = totals(system)
     from sim.fluid.forces.momentum import Momentum
-    from sim.fluid.forces.velocity_smoothing import Mixing
+    from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 
     if solver == "implicit":
-        told = Mixing(system).mix(50 * EXPLICIT_LIMIT)
+        told = VelocitySmoothing(system).smooth(50 * EXPLICIT_LIMIT)
         assert told["viscosity_iterations"] > 0
     else:
         from sim.fluid.pressure.incompressible import kick
@@ -285,11 +285,11 @@ def test_a_drop_that_turns_goes_on_turning(taichi, points, solver):
     velocity[: system.count, :3] = np.cross([1.0, 2.0, -3.0], x - BOX / 2)
     system.particles.velocity.from_numpy(velocity)
     from sim.fluid.forces.momentum import Momentum
-    from sim.fluid.forces.velocity_smoothing import Mixing
+    from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
     from sim.fluid.pressure.incompressible import kick
 
     for _ in range(5):
         Momentum(system, pressure=False).accelerate()
         kick(system.count, EXPLICIT_LIMIT, system.particles.velocity, system.particles.acceleration)
-        Mixing(system).mix(EXPLICIT_LIMIT)
+        VelocitySmoothing(system).smooth(EXPLICIT_LIMIT)
     np.testing.assert_allclose(system.particles.velocity.to_numpy(), velocity, atol=1e-4)

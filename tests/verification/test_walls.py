@@ -28,7 +28,7 @@ def faces_at(points, planes):
     v.fill(0)
     faces = Faces(Shapes([half_space(plane[:3], plane[3]) for plane in planes], np.zeros(3), SPACING, H), SPACING, H, H)
     faces.find(x, count)
-    faces.place(x, v, count, 0.0)
+    faces.place(faces.points(x, v), count, 0.0)
     return faces
 
 
@@ -68,29 +68,20 @@ def made_good(taichi):
     """B a for accelerations [m/s^2] at points [m], both of shape [n, 3]."""
     import taichi as ti
 
-    from sim.device.arrays import IntArray, RealArray, Vec4Array, numpy_real, real, vec4
+    from sim.device.arrays import Vec4Array, numpy_real, real, vec4
     from sim.fluid.boundary.half_space import along_faces
+    from sim.fluid.layout import Walls
 
     @ti.kernel
-    def ask(
-        count: ti.i32,
-        begin: IntArray,
-        size: IntArray,
-        face: Vec4Array,
-        weight: RealArray,
-        held: RealArray,
-        fit: vec4,
-        inverse_h: real,
-        a: Vec4Array,
-    ):
+    def ask(count: ti.i32, walls: Walls, inverse_h: real, a: Vec4Array):
         for i in range(count):
-            a[i].xyz = along_faces(i, a[i].xyz, begin, size, face, held, fit, inverse_h)
+            a[i].xyz = along_faces(i, a[i].xyz, walls, inverse_h)
 
     def at(points, accelerations, planes):
         count = len(points)
         a = ti.ndarray(vec4, count)
         a.from_numpy(np.column_stack((accelerations, np.zeros(count))).astype(numpy_real))
-        ask(count, *faces_at(points, planes).lists, 1 / H, a)
+        ask(count, faces_at(points, planes).lists, 1 / H, a)
         return a.to_numpy()[:, :3]
 
     return at

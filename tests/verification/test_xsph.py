@@ -24,7 +24,7 @@ def test_velocities_become_what_the_sum_says(taichi):
     """v_i + eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij  (Monaghan 1989)."""
     from sim.fluid.boundary.boundary import Boundary
     from sim.fluid.boundary.shapes import Shapes
-    from sim.fluid.forces.velocity_smoothing import Mixing, mixing_arrays
+    from sim.fluid.forces.velocity_smoothing import VelocitySmoothing, smoothing_arrays
     from sim.fluid.spec import Fluid
     from sim.fluid.system import FluidSystem
 
@@ -32,10 +32,10 @@ def test_velocities_become_what_the_sum_says(taichi):
     x, v, rho = rng.uniform(0, 5 * SPACING, (200, 3)), rng.normal(size=(200, 3)), rng.uniform(500, 1100, 200)
     spec = Fluid(particle_radius=SPACING / 2, xsph=SHARE)
     boundary = Boundary(Shapes([], np.zeros(3), SPACING, H), SPACING, H, H)
-    system = FluidSystem(spec, np.zeros(3), boundary, mixing_arrays(spec, False))
+    system = FluidSystem(spec, np.zeros(3), boundary, smoothing_arrays(spec, False))
     load(system, x, v, rho)
     system.find_neighbors()
-    Mixing(system).mix(1.0)
+    VelocitySmoothing(system).smooth(1.0)
     w = kernel(np.linalg.norm(x[:, None] - x[None, :], axis=2))
     share = SHARE * system.mass * 2 / (rho[:, None] + rho[None, :]) * w
     wanted = v + (share[:, :, None] * (v[None, :] - v[:, None])).sum(axis=1)

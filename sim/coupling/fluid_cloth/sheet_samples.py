@@ -17,7 +17,7 @@ from sim.cloth.fabric.arrays import incidence, integers, numbers, vectors
 from sim.coupling.fluid_cloth import sheet_sums
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.boundary.one_sided_samples import OneSidedSamples
-from sim.fluid.forces.momentum import Momentum
+from sim.fluid.forces.momentum import BY_SOLIDS, Momentum
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import NeighborList
 
@@ -95,7 +95,8 @@ class SheetSamples(OneSidedSamples):
         # The sign of the share says for which side a sample is.
         sides = np.tile([1.0, -1.0], len(pattern.share))
         self.corners, self.weights = integers(corners.ravel()), vectors(np.repeat(pattern.weights, 2, axis=0))
-        self._share = numbers(sides * np.repeat(pattern.share, 2))
+        share = numbers(sides * np.repeat(pattern.share, 2))
+        self._sheets = sheet_sums.Sheets(self.corners, self.weights, share, self.here, self.facing)
         self.of_points = tuple(integers(table) for table in incidence(corners, points))
         self._depth = sample_depth(spacing, support_radius)
         self._weight = sample_weight(spacing, support_radius) * sample_volume(spacing, support_radius) / spacing**2
@@ -112,13 +113,9 @@ class SheetSamples(OneSidedSamples):
             self._depth,
             self._weight,
             self._origin,
-            self.corners,
-            self.weights,
-            self._share,
+            self._sheets,
             self.place,
             self.speed,
-            self.here,
-            self.facing,
             samples,
             velocity,
         )
@@ -150,32 +147,22 @@ class SheetReaction:
             self.near.clear(sheets.count)
             return
         self.near.build(sheets.here, sheets.count, system.grid, position, same=False)
-        sheet_sums.face(sheets.count, sheets.facing, position, self.near.size, self.near.index)
+        sheet_sums.face(sheets.count, sheets.facing, position, self.near.lists)
 
     def forces(self, momentum: Momentum, load: ti.Ndarray) -> None:
         """Loads of the forces that positions and velocities give."""
         system, sheets = self.system, self._make_room()
-        particles, boundary = system.particles, system.boundary
         sheet_sums.push_back(
+            momentum.terms & BY_SOLIDS,
             sheets.count,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
-            particles.position,
-            particles.velocity,
-            self.near.size,
-            self.near.index,
-            boundary.samples,
-            boundary.velocity,
-            *boundary.faces.lists,
-            momentum.pressure,
-            momentum.grip.walls > 0,
-            momentum.grip.samples,
-            momentum.grip.nearest,
-            momentum.damping > 0,
-            momentum.damping,
-            momentum.adhesion is not None,
             momentum.adhesion.samples if momentum.adhesion else 0.0,
+            momentum.coefficients,
+            system.resolution,
+            system.particles.position,
+            system.particles.velocity,
+            self.near.lists,
+            system.boundary.near_samples,
+            system.boundary.faces.lists,
             self._force,
         )
         self._spread(load)
@@ -188,17 +175,14 @@ class SheetReaction:
         sheet_sums.press(
             sheets.count,
             ahead,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             particles.position,
             particles.velocity,
             particles.search if found else particles.position,
             found,
-            self.near.size,
-            self.near.index,
-            boundary.samples,
-            *boundary.faces.lists,
+            self.near.lists,
+            boundary.near_samples,
+            boundary.faces.lists,
             self._force,
         )
         self._spread(load)
@@ -213,14 +197,11 @@ class SheetReaction:
             system.count,
             fresh,
             ahead,
-            system.h,
-            system.spec.rest_density,
+            system.resolution,
             particles.position,
             particles.velocity,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
-            *boundary.faces.lists,
+            boundary.near_samples,
+            boundary.faces.lists,
             self._sway,
             particles.pressure_acceleration,
         )

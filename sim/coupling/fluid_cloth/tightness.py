@@ -27,8 +27,8 @@ class Tightness:
         mesh = cloth.mesh
         self._tree = Tree(mesh.triangles, mesh.points.position.to_numpy())
         self._thick = numbers(np.full(mesh.total, self._gap))
-        self._struck = integers(np.zeros(1))
-        self._weight = vectors(np.zeros((1, 3)))
+        self._triangles = tightness_sums.Triangles(self._tree.member, self._tree.low, self._tree.high)
+        self._hits = tightness_sums.Hits(integers(np.zeros(1)), vectors(np.zeros((1, 3))))
         self.held_off = 0
         """Particles that were kept on their side in the last step."""
         self.through = 0
@@ -38,9 +38,9 @@ class Tightness:
         """Keep particles that have gone dt [s] with their velocities on their side of the cloth, which has gone from
         the start to the end of its step."""
         system, mesh = self.system, self.cloth.mesh
-        if system.count > self._struck.shape[0]:
+        if system.count > self._hits.struck.shape[0]:
             room = system.particles.capacity
-            self._struck, self._weight = integers(np.zeros(room)), vectors(np.zeros((room, 3)))
+            self._hits = tightness_sums.Hits(integers(np.zeros(room)), vectors(np.zeros((room, 3))))
         start, place = self.cloth.integrator.trial.start, mesh.points.position
         self._tree.enclose(self._thick, start, place)
         found = tightness_sums.keep(
@@ -50,15 +50,12 @@ class Tightness:
             self._origin,
             self._tree.leaves,
             self._tree.number,
-            self._tree.member,
-            self._tree.low,
-            self._tree.high,
+            self._triangles,
             start,
             place,
             system.particles.position,
             system.particles.velocity,
-            self._struck,
-            self._weight,
+            self._hits,
         )
         self.held_off, self.through = int(found[0]), int(found[1])
         if self.held_off:
@@ -68,9 +65,9 @@ class Tightness:
         """Let particles that were held off and the cloth there part no faster than they come together: one after the
         other, as often as it takes."""
         system, mesh = self.system, self.cloth.mesh
-        triangles = self._struck.to_numpy()[: system.count]
+        triangles = self._hits.struck.to_numpy()[: system.count]
         rows = np.flatnonzero(triangles >= 0)
-        weights = self._weight.to_numpy()[rows]
+        weights = self._hits.weight.to_numpy()[rows]
         members = self._tree.member.to_numpy().reshape(-1, 3)[triangles[rows]]
         place = mesh.points.position.to_numpy()
         speed = mesh.points.velocity.to_numpy()

@@ -1,5 +1,7 @@
 """The ways of particles past moving triangles."""
 
+from typing import Any
+
 import taichi as ti
 
 from sim.cloth.contact.ccd import time_of_nearness
@@ -12,6 +14,12 @@ ROUNDS = 8
 """Of looking, after a particle has been moved, for what it would meet there."""
 NEARER = 0.5
 """Of the distance that a particle has from a triangle at the start of a step, this share is kept."""
+
+Triangles: Any = ti.types.argpack(member=Integers, low=Vectors, high=Vectors)
+"""The corners of each, and the boxes of the tree of them (`sim.neighbors.box_tree`)."""
+
+Hits: Any = ti.types.argpack(struck=Integers, weight=Vectors)
+"""The triangle that each particle has struck, and the barycentric weights of the place."""
 
 
 @ti.func
@@ -41,17 +49,14 @@ def keep(
     origin: vec3,
     leaves: ti.i32,
     primitives: ti.i32,
-    member: Integers,
-    low: Vectors,
-    high: Vectors,
+    triangles: Triangles,
     start: Vectors,
     place: Vectors,
     position: Vec4Array,
     velocity: Vec4Array,
-    struck: Integers,
-    weight_out: Vectors,
+    hits: Hits,
 ) -> ti.types.vector(2, ti.i32):
-    """Move particles that would come nearer than `gap` [m] to a triangle; `struck` has the last one of each, -1 where
+    """Move particles that would come nearer than `gap` [m] to a triangle; `hits` has the last one of each, -1 where
     there is none. Returns how many were moved, and how many would come too near wherever they are moved."""
     moved_particles, through = 0, 0
     for i in range(count):
@@ -65,13 +70,13 @@ def keep(
             node = ti.select(primitives > 0, 1, 0)
             while node > 0:
                 lower, upper = ti.min(before, after) - gap, ti.max(before, after) + gap
-                inside = meet(lower, upper, low[node], high[node])
+                inside = meet(lower, upper, triangles.low[node], triangles.high[node])
                 if inside and node < leaves:
                     node = 2 * node
                 else:
                     if inside:
                         t = node - leaves
-                        j, k, m = member[3 * t], member[3 * t + 1], member[3 * t + 2]
+                        j, k, m = triangles.member[3 * t], triangles.member[3 * t + 1], triangles.member[3 * t + 2]
                         a, b, c = start[j], start[k], start[m]
                         da, db, dc = place[j] - a, place[k] - b, place[m] - c
                         least = NEARER * ti.min(gap, point_triangle(before, a, b, c).apart.norm())
@@ -82,10 +87,10 @@ def keep(
                             nearest = point_triangle(after, a + da, b + db, c + dc)
                             weight = -vec3(nearest.weight[1], nearest.weight[2], nearest.weight[3])
                     node = next_node(node)
-        struck[i] = hit
+        hits.struck[i] = hit
         if hit >= 0:
             moved_particles += 1
-            weight_out[i] = weight
+            hits.weight[i] = weight
             position[i].xyz = ti.cast(after - origin, real)
             through += again
     return ti.Vector([moved_particles, through])

@@ -29,7 +29,7 @@ class Floating:
     """The bodies of `rigid` that obey forces, as `system.bodies`.
 
     rows: of these bodies, by their index, among all that move in the boundary; solids: their places there; origin of
-    the system's coordinates [m]; surfaces of the bodies, as they are placed. Wrenches and answers, as
+    the system's coordinates [m]; surfaces of the bodies, as they are placed. Wrenches and responses, as
     `sim.coupling.fluid_rigid.reaction` has them, are of shape [bodies, 6].
     """
 
@@ -60,7 +60,7 @@ class Floating:
         self._ahead = False
         """Whether bodies are foreseen to be where the step will have taken them."""
         self._here = self._local(rigid.motions())
-        self._weigh(self._here)
+        self._set_inertia(self._here)
 
     def begin(self, movements: Mapping[int, Movement]) -> None:
         """A step begins after which prescribed bodies are at these `movements`, by index; in the boundary these
@@ -83,23 +83,23 @@ class Floating:
         self._lead()
         self._here = self._local(self.rigid.predict(dt, self._movements))
         self._push(last)
-        self._weigh(self._here)
+        self._set_inertia(self._here)
         self._aim()
-        self._expected = self._answer_to(last)
-        """Answers that bodies have been foreseen with."""
+        self._expected = self._response_to(last)
+        """Responses that bodies have been predicted with."""
         self._found = np.zeros_like(last)
         self._ahead = True
 
     def list(self) -> None:
         self.reaction.list()
-        self._find_films()
+        self._find_lubrication()
 
     def subtract_predicted(self, dt: float) -> None:
         self.reaction.subtract_predicted(dt, self._expected)
 
     def respond(self, ahead: float, *, beside_expected: bool = False) -> None:
         if beside_expected:
-            self._last = self.reaction.answer_beside(ahead, self._expected)
+            self._last = self.reaction.respond_beside_expected(ahead, self._expected)
         else:
             self.reaction.respond(ahead)
 
@@ -126,7 +126,7 @@ class Floating:
         held = self.reaction.held()
         change = held - self._held
         self._steady = self._steady + change
-        self._shift(dt, self._answer_to(change))
+        self._shift(dt, self._response_to(change))
         self.rigid.fluid_hold[self._bodies] = held
 
     def revert(self, dt: float) -> None:
@@ -147,8 +147,8 @@ class Floating:
         return self._advance(dt, whole)
 
     def kick(self, dt: float, momentum: Momentum) -> None:
-        self._find_films()
-        self._push(self.reaction.forces(momentum) + self.lubrication.steady + self.reaction.films())
+        self._find_lubrication()
+        self._push(self.reaction.forces(momentum) + self.lubrication.steady + self.reaction.lubrication_wrenches())
         self._kick(dt / 2, self.pushed)
 
     def prevent_penetration(self, dt: float) -> None:
@@ -182,7 +182,7 @@ class Floating:
     def bytes(self) -> int:
         return self.reaction.bytes
 
-    def _find_films(self) -> None:
+    def _find_lubrication(self) -> None:
         """Look for films where solids are near each other."""
         if self.system.count and len(self.rigid.near(self.lubrication.reach)):
             self.lubrication.find(self._here)
@@ -202,14 +202,14 @@ class Floating:
         stats = self.rigid.advance(dt, self._movements)
         self._push(wrench)
         self._here = self._local(self.rigid.motions())
-        self._weigh(self._here)
+        self._set_inertia(self._here)
         self._aim()
         return stats
 
     def pose(self) -> None:
         """Bodies have gone elsewhere since they were stepped."""
         self._here = self._local(self.rigid.motions())
-        self._weigh(self._here)
+        self._set_inertia(self._here)
         self._aim()
 
     def _local(self, motions: np.ndarray) -> np.ndarray:
@@ -218,13 +218,15 @@ class Floating:
         mine[:, 9:12] -= self._origin
         return mine
 
-    def _weigh(self, here: np.ndarray) -> None:
-        """Say how bodies answer forces where they are by these motions."""
+    def _set_inertia(self, here: np.ndarray) -> None:
+        """Set how bodies respond to forces where they are by these motions."""
         self._mobility = self.rigid.mobility(here[:, :9].reshape(-1, 3, 3), self._bodies)
         self._inverse_mass = 1.0 / self.rigid.mass[self._bodies, None]
-        self.reaction.weigh(np.concatenate((here[:, 9:12], self._inverse_mass, self._mobility.reshape(-1, 9)), axis=1))
+        self.reaction.set_inertia(
+            np.concatenate((here[:, 9:12], self._inverse_mass, self._mobility.reshape(-1, 9)), axis=1)
+        )
 
-    def _answer_to(self, wrench: np.ndarray) -> np.ndarray:
+    def _response_to(self, wrench: np.ndarray) -> np.ndarray:
         turning = np.einsum("nij,nj->ni", self._mobility, wrench[:, 3:])
         return np.concatenate((wrench[:, :3] * self._inverse_mass, turning), axis=1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.coupling.fluid_rigid.reaction import INERTIA, Reaction
-from sim.fluid.forces.friction import find_grip
+from sim.fluid.forces.friction import find_wall_friction
 from sim.fluid.pressure.gradient_correction import correct_pulls
 from sim.fluid.system import FluidSystem
 
@@ -29,8 +29,8 @@ def reaction(
         _narrow(system, on_solid, region)
     inertia = np.zeros((1, INERTIA))
     inertia[0, :3] = centre
-    on_solid.weigh(inertia)
-    wrench = on_solid.forces(system.momentum, find_grip(system.spec).walls)[0] + on_solid.held()[0]
+    on_solid.set_inertia(inertia)
+    wrench = on_solid.forces(system.momentum, find_wall_friction(system.spec).walls)[0] + on_solid.held()[0]
     position = system.particles.numpy("position").astype(np.float64)
     for pressure, displacement in _pushes(system, position):
         wrench = wrench + _pressed(system, solid, centre, position[:, :3] - displacement, pressure, region)

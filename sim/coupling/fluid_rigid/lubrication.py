@@ -8,7 +8,7 @@ equations of `sim.coupling.fluid_rigid.reaction`, with the opposite of what they
 the ground so draws in fluid from its rim, and can come up no faster than that lets it.
 
 Where one or two layers of particles are in a gap, they press on what encloses them by how well they fit in, and not by
-the pressure around (`sim.fluid.boundary.face_sums.wide`): there, too, the film acts in their place.
+the pressure around (`sim.fluid.boundary.gaps.openness`): there, too, the film acts in their place.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import taichi as ti
 import trimesh
 from scipy.spatial import cKDTree
 
-from sim.coupling.fluid_rigid.lubrication_sums import add_response_at_rims, place, press, press_rims
+from sim.coupling.fluid_rigid.lubrication_sums import Elements, add_response_at_rims, place, press, press_rims
 from sim.device.arrays import integer_array, numpy_real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import WIDE
@@ -76,17 +76,19 @@ class Lubrication:
         self.count = len(arms)
         self.reach = WIDE * spacing
         """By how much [m] the boxes around bodies have to be enlarged to overlap where there is a film."""
-        self._arms, self._areas = _vectors(arms), _vectors(areas)
-        self._body = integer_array(body)
-        self._own = integer_array(np.repeat(np.asarray(solids), sizes))
-        self._ends = integer_array(np.concatenate(([0], np.cumsum(sizes))))
-        self._beside = integer_array(_beside(arms, body, BESIDE * spacing))
-        self._here, self._ahead, self._beyond, self._normals, self._found, self._forces = (
-            ti.ndarray(vec4, self.count) for _ in range(6)
+        self._elements = Elements(
+            _vectors(arms),
+            _vectors(areas),
+            integer_array(body),
+            integer_array(np.repeat(np.asarray(solids), sizes)),
+            integer_array(np.concatenate(([0], np.cumsum(sizes)))),
+            integer_array(_beside(arms, body, BESIDE * spacing)),
+            ti.ndarray(ti.f64, (len(parts), MOTION)),
+            *(ti.ndarray(vec4, self.count) for _ in range(6)),
+            ti.ndarray(ti.f64, (self.count, 6)),
         )
-        self._motions = ti.ndarray(ti.f64, (len(parts), MOTION))
         self._wrench = ti.ndarray(ti.f64, (len(parts), 6))
-        self._by_rim, self._at_rim = ti.ndarray(ti.f64, (self.count, 6)), ti.ndarray(ti.f64, (self.count, 1))
+        self._at_rim = ti.ndarray(ti.f64, (self.count, 1))
         self.active = False
         self.steady = np.zeros((len(parts), 6))
         """Wrenches but for the pressures at rims: force [N] and torque about their own origins [N m]."""
@@ -98,50 +100,22 @@ class Lubrication:
         """Look for films about bodies that have moved by `motions`; particles and solids are where they are now."""
         self.active = True
         system = self.system
-        particles, others = system.particles, self._others
-        self._motions.from_numpy(np.ascontiguousarray(motions))
-        place(
-            self._arms,
-            self._areas,
-            self._body,
-            self._motions,
-            system.spec.spacing,
-            self._here,
-            self._ahead,
-            self._beyond,
-            self._normals,
-        )
-        self._near.build(self._ahead, self.count, system.grid, particles.position, same=False)
-        self._far.build(self._beyond, self.count, system.grid, particles.position, same=False)
-        others.find(self._here, self.count, self._own)
-        others.place(self._here, self._here, self.count, 0.0)
+        particles, others, elements = system.particles, self._others, self._elements
+        elements.motions.from_numpy(np.ascontiguousarray(motions))
+        place(elements, system.spec.spacing)
+        self._near.build(elements.ahead, self.count, system.grid, particles.position, same=False)
+        self._far.build(elements.beyond, self.count, system.grid, particles.position, same=False)
+        others.find(elements.here, self.count, elements.own)
+        others.place(self._others.points(elements.here, elements.here), self.count, 0.0)
         press(
-            system.h,
-            system.spec.spacing,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             vec3(*system.gravity),
             particles.position,
-            self._own,
             system.boundary.shapes.slim,
-            self._body,
-            self._ends,
-            self._beside,
-            self._here,
-            self._ahead,
-            self._beyond,
-            self._normals,
-            self._near.size,
-            self._near.index,
-            self._far.size,
-            self._far.index,
-            others.begin,
-            others.size,
-            others.face,
-            self._found,
-            self._forces,
-            self._motions,
-            self._by_rim,
+            elements,
+            self._near.lists,
+            self._far.lists,
+            others.lists,
             self._wrench,
         )
         self.steady = self._wrench.to_numpy()
@@ -155,18 +129,12 @@ class Lubrication:
         """Write the wrenches by pressures at rims as q, in w, or where they are `found` in x."""
         system = self.system
         press_rims(
-            system.h,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             system.particles.position,
             pressure,
             found,
-            self._ends,
-            self._beyond,
-            self._far.size,
-            self._far.index,
-            self._found,
-            self._by_rim,
+            self._elements,
+            self._far.lists,
             self._at_rim,
             wrench,
         )
@@ -175,16 +143,10 @@ class Lubrication:
         """Add to pressure_acceleration.w what accelerations of bodies, shape [bodies, 6], do to particles at rims."""
         system = self.system
         add_response_at_rims(
-            system.h,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             system.particles.position,
-            self._body,
-            self._beyond,
-            self._far.size,
-            self._far.index,
-            self._found,
-            self._by_rim,
+            self._elements,
+            self._far.lists,
             response,
             system.particles.pressure_acceleration,
         )

@@ -17,8 +17,10 @@ import numpy as np
 import taichi as ti
 
 from sim.coupling.fluid_rigid import reaction_sums
-from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES
+from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES, BodySums
 from sim.device.arrays import GROWTH, integer_array
+from sim.fluid.forces.momentum import BY_SOLIDS, WALL_FRICTION
+from sim.fluid.forces.pairwise import Lens
 
 if TYPE_CHECKING:
     from sim.fluid.forces.momentum import Momentum
@@ -37,19 +39,19 @@ class Lubrication(Protocol):
         """Write wrenches by the pressures as q in w, or where they are `found` in x, shape [bodies, 6]."""
 
     def add_response(self, response: ti.Ndarray) -> None:
-        """Add to pressure_acceleration.w what these answers of bodies do to those particles."""
+        """Add to pressure_acceleration.w what these responses of bodies do to those particles."""
 
 
 INERTIA = 13
-"""Numbers that say how a body answers a force: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
+"""Numbers of a body that decide its response: centre of mass (3), inverse mass, inverse inertia in the world (9)."""
 
 
 class Reaction:
     """Sums for the bodies that are the `solids`, by their index, in the boundary of `system`.
 
-    A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; an answer is the acceleration
-    [m/s^2] and the angular acceleration [rad/s^2] by it. ends: where the entries of each body begin in `order`, and
-    where the last end; body_of: of each solid which of these it is, or -1.
+    A wrench is the force [N] and the torque about the centre of mass [N m], shape [6]; a response is the acceleration
+    [m/s^2] and the angular acceleration [rad/s^2] by it. body_of: of each solid which of these it is, or -1; sums: its
+    entries in order, and what is summed over them.
     """
 
     def __init__(self, system: FluidSystem, solids: Sequence[int]):
@@ -58,71 +60,67 @@ class Reaction:
         body_of = np.full(max(system.boundary.shapes.count, 1), -1, dtype=np.int32)
         body_of[list(solids)] = np.arange(self.count)
         self.body_of = integer_array(body_of)
-        self.ends = ti.ndarray(ti.i32, self.count + 1)
-        self.order = ti.ndarray(ti.i32, 1)
-        self.partial = ti.ndarray(ti.f64, (PARTS * self.count, 6))
+        self._ends = ti.ndarray(ti.i32, self.count + 1)
+        self._partial = ti.ndarray(ti.f64, (PARTS * self.count, 6))
         self._tally = ti.ndarray(ti.i32, RANGES * self.count)
         self._inertia = ti.ndarray(ti.f64, (self.count, INERTIA))
-        self._wrench, self._answer, self._by_film = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
+        self._wrench, self._response, self._by_lubrication = (ti.ndarray(ti.f64, (self.count, 6)) for _ in range(3))
+        self.sums = self._sums_of(ti.ndarray(ti.i32, 1))
         self.lubrication: Lubrication | None = None
 
     def list(self) -> None:
         """Sort the entries of the bodies by these, in a fixed order, as they are listed now."""
-        faces = self.system.boundary.faces
-        args = (self.system.count, faces.begin, faces.size, faces.solid, self.body_of, self._tally, self.ends)
-        total = reaction_sums.tally(*args)
-        if total > self.order.shape[0]:
-            self.order = ti.ndarray(ti.i32, int(GROWTH * total))
-        reaction_sums.sort(*args, self.order)
+        count, walls = self.system.count, self.system.boundary.faces.lists
+        total = reaction_sums.tally(count, walls, self.sums, self._tally)
+        if total > self.sums.order.shape[0]:
+            self.sums = self._sums_of(ti.ndarray(ti.i32, int(GROWTH * total)))
+        reaction_sums.sort(count, walls, self.sums, self._tally)
 
-    def films(self) -> np.ndarray:
+    def _sums_of(self, order: ti.Ndarray) -> BodySums:
+        return BodySums(
+            self.body_of,
+            self._ends,
+            order,
+            self._inertia,
+            self._partial,
+            self._by_lubrication,
+            self._wrench,
+            self._response,
+        )
+
+    def lubrication_wrenches(self) -> np.ndarray:
         """Wrenches of films by the pressures in position.w."""
-        self._press_films(self.system.particles.position, found=False)
-        return self._by_film.to_numpy()
+        self._sum_lubrication(self.system.particles.position, found=False)
+        return self._by_lubrication.to_numpy()
 
-    def _press_films(self, pressure: ti.Ndarray, *, found: bool) -> None:
+    def _sum_lubrication(self, pressure: ti.Ndarray, *, found: bool) -> None:
         if self.lubrication and self.lubrication.active:
-            self.lubrication.pressed(pressure, self._by_film, found=found)
+            self.lubrication.pressed(pressure, self._by_lubrication, found=found)
         else:
-            self._by_film.fill(0)
+            self._by_lubrication.fill(0)
 
-    def weigh(self, inertia: np.ndarray) -> None:
-        """Say how bodies answer forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
+    def set_inertia(self, inertia: np.ndarray) -> None:
+        """Set how bodies respond to forces, shape [bodies, INERTIA]; centres are relative to the world's origin."""
         self.inertia = inertia
         self._inertia.from_numpy(np.ascontiguousarray(inertia))
 
     def forces(self, momentum: Momentum, friction: float | None = None) -> np.ndarray:
         """Wrenches of the forces that positions and velocities give, shape [bodies, 6]; friction: viscosity of what the
         fluid sticks to [m^2/s], where that is not what acts as a force."""
-        system = self.system
-        particles, faces = system.particles, system.boundary.faces
-        adhesion = momentum.adhesion
+        system, adhesion = self.system, momentum.adhesion
+        terms, viscosity = momentum.terms, momentum.viscosity
+        if friction is not None:
+            terms, viscosity = (terms | WALL_FRICTION) if friction > 0 else (terms & ~WALL_FRICTION), friction
         reaction_sums.push_back(
-            self.ends,
-            self.order,
-            system.h,
-            system.spec.spacing,
-            system.mass,
-            system.spec.rest_density,
-            particles.position,
-            particles.velocity,
-            faces.particle,
-            faces.solid,
-            faces.face,
-            faces.weight,
-            faces.pull,
-            faces.fit,
-            system.boundary.shapes.pose,
-            self._inertia,
-            momentum.pressure,
-            (momentum.grip.walls if friction is None else friction) > 0,
-            momentum.viscosity if friction is None else friction,
-            momentum.damping > 0,
-            momentum.damping,
-            adhesion is not None,
+            terms & BY_SOLIDS,
+            viscosity,
             adhesion.solids if adhesion else 0.0,
-            self.partial,
-            self._wrench,
+            momentum.coefficients,
+            system.resolution,
+            system.particles.position,
+            system.particles.velocity,
+            system.boundary.faces.lists,
+            self.sums,
         )
         return self._wrench.to_numpy()
 
@@ -130,51 +128,43 @@ class Reaction:
         """Wrenches of what these hold along their surfaces (`along_faces`), by the pressures in position.w, shape
         [bodies, 6]."""
         system = self.system
-        particles, faces = system.particles, system.boundary.faces
+        particles = system.particles
         corrected = hasattr(particles, "correction")
         reaction_sums.hold(
-            self.ends,
-            self.order,
-            system.h,
-            system.mass,
-            particles.position,
             corrected,
-            particles.correction if corrected else particles.position,
-            particles.skew if corrected else particles.position,
-            system.neighbors.size,
-            system.neighbors.index,
-            *faces.lists,
-            faces.particle,
-            self._inertia,
-            self.partial,
-            self._wrench,
+            system.resolution,
+            particles.position,
+            particles.bundle(Lens) if corrected else particles.bundle(Lens, correction="position", skew="position"),
+            system.neighbors.lists,
+            system.boundary.faces.lists,
+            self.sums,
         )
         return self._wrench.to_numpy()
 
     def respond(self, ahead: float) -> None:
-        """Find how bodies answer the pressures in position.w, and leave in pressure_acceleration.w by how much that
+        """Find how bodies respond to the pressures in position.w, and leave in pressure_acceleration.w by how much that
         lowers the second derivative of the densities of particles [kg/(m^3 s^2)]; pairs act where particles will be
         `ahead` [s]."""
         self._sum(ahead, self.system.particles.position, found=False)
         self._add_response(ahead)
 
-    def answer_beside(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As `response`, where bodies will be `dt` ahead, but for what they were expected to answer, shape [bodies, 6];
-        returns the wrenches and answers."""
+    def respond_beside_expected(self, dt: float, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `respond`, where bodies will be `dt` ahead, less the response that was expected, shape [bodies, 6];
+        returns the wrenches and responses."""
         self._sum(dt, self.system.particles.position, found=False)
-        wrench, response = self._wrench.to_numpy(), self._answer.to_numpy()
-        self._answer.from_numpy(response - expected)
+        wrench, response = self._wrench.to_numpy(), self._response.to_numpy()
+        self._response.from_numpy(response - expected)
         self._add_response(dt)
         return wrench, response
 
     def pressed(self, ahead: float) -> tuple[np.ndarray, np.ndarray]:
-        """Wrenches of the pressures found, which are in search.x, and the answers; shape [bodies, 6]."""
+        """Wrenches of the pressures found, which are in search.x, and the responses; shape [bodies, 6]."""
         self._sum(ahead, self.system.particles.search, found=True)
-        return self._wrench.to_numpy(), self._answer.to_numpy()
+        return self._wrench.to_numpy(), self._response.to_numpy()
 
     def subtract_predicted(self, dt: float, response: np.ndarray) -> None:
-        """Bodies are where this answer, shape [bodies, 6], has taken them in the step: it is no compression then."""
-        self._answer.from_numpy(response)
+        """Bodies are where this response, shape [bodies, 6], has taken them in the step: it is no compression then."""
+        self._response.from_numpy(response)
         self._add_response(dt)
         reaction_sums.subtract_predicted(
             self.system.count, dt, self.system.particles.pressure_acceleration, self.system.particles.source
@@ -182,47 +172,34 @@ class Reaction:
 
     def _sum(self, ahead: float, pressure: ti.Ndarray, *, found: bool) -> None:
         system = self.system
-        self._press_films(pressure, found=found)
-        reaction_sums.answer_pressure(
-            self.ends,
-            self.order,
+        self._sum_lubrication(pressure, found=found)
+        reaction_sums.respond(
             ahead,
             system.mass * system.spec.rest_density,
             system.particles.position,
             system.particles.velocity,
             pressure,
             found,
-            system.boundary.faces.particle,
-            system.boundary.faces.pull,
-            self._inertia,
-            self._by_film,
-            self.partial,
-            self._wrench,
-            self._answer,
+            system.boundary.faces.lists,
+            self.sums,
         )
 
     def _add_response(self, ahead: float) -> None:
         system = self.system
-        faces = system.boundary.faces
         reaction_sums.add_response(
             system.count,
             ahead,
             system.spec.rest_density,
             system.particles.position,
             system.particles.velocity,
-            faces.begin,
-            faces.size,
-            faces.solid,
-            faces.pull,
-            self.body_of,
-            self._inertia,
-            self._answer,
+            system.boundary.faces.lists,
+            self.sums,
             system.particles.pressure_acceleration,
         )
         if self.lubrication and self.lubrication.active:
-            self.lubrication.add_response(self._answer)
+            self.lubrication.add_response(self._response)
 
     @property
     def bytes(self) -> int:
         """Memory of the order of entries, and of partial sums [bytes]."""
-        return 4 * (self.order.shape[0] + self._tally.shape[0]) + 48 * self.partial.shape[0]
+        return 4 * (self.sums.order.shape[0] + self._tally.shape[0]) + 48 * self._partial.shape[0]

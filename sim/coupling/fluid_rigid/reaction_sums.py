@@ -4,15 +4,16 @@ from typing import Any
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4, vector
-from sim.fluid.boundary.half_space import along_face, face_damping
-from sim.fluid.boundary.look import surface_velocity
+from sim.device.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3, vector
+from sim.fluid.boundary.half_space import along_face
+from sim.fluid.boundary.pose import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
-from sim.fluid.forces.friction import face_friction
-from sim.fluid.forces.pairwise import pair_pressures
+from sim.fluid.forces.momentum import ADHESION, PRESSURE, Coefficients, slowed_by_face
+from sim.fluid.forces.pairwise import Lens, pair_pressures
 from sim.fluid.kernel import slope_norm
-from sim.fluid.packed import DENSITY, DISTANCE, Q
+from sim.fluid.layout import DENSITY, DISTANCE, Q, Resolution, Walls
 from sim.fluid.sums import span
+from sim.neighbors.spatial_hash import Neighbors
 
 MATERIALS = ("fluid",)
 """Of a scene, for this to be loaded."""
@@ -23,6 +24,20 @@ RANGES = 64
 """Entries are sorted by body in so many ranges of particles side by side."""
 
 vec6d: Any = ti.types.vector(6, ti.f64)
+
+BodySums: Any = ti.types.argpack(
+    body_of=IntArray,
+    ends=IntArray,
+    order=IntArray,
+    inertia=DoubleTable,
+    partial=DoubleTable,
+    by_lubrication=DoubleTable,
+    wrench=DoubleTable,
+    response=DoubleTable,
+)
+"""The body of each solid, or -1; the entries of `Walls` in the `order` of bodies, those of body b from ends[b] to
+ends[b + 1]; centre and inverse inertia of each body (`reaction.INERTIA`); sums over PARTS of its entries, wrenches of
+films and of all [N, N m], and the accelerations by these [m/s^2, rad/s^2]."""
 
 
 @ti.func
@@ -57,215 +72,154 @@ def part_of(k: ti.i32, ends: IntArray) -> ti.types.vector(2, ti.i32):
 
 
 @ti.kernel
-def tally(
-    count: ti.i32,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    body_of: IntArray,
-    tally: IntArray,
-    ends: IntArray,
-) -> ti.i32:
+def tally(count: ti.i32, walls: Walls, bodies: BodySums, tally: IntArray) -> ti.i32:
     """Write where the entries of each body will end, and in each range of particles begin; returns how many there
     are."""
-    bodies = ends.shape[0] - 1
+    number = bodies.ends.shape[0] - 1
     for r in range(RANGES):
-        for b in range(bodies):
+        for b in range(number):
             tally[b * RANGES + r] = 0
         within = span(r, RANGES, count)
         for i in range(within[0], within[1]):
-            for e in range(begin[i], begin[i] + size[i]):
-                b = body_of[solid[e]]
+            for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                b = bodies.body_of[walls.solid[e]]
                 if b >= 0:
                     tally[b * RANGES + r] += 1
     ti.loop_config(serialize=True)
     for _ in range(1):
         total = 0
-        for b in range(bodies):
-            ends[b] = total
+        for b in range(number):
+            bodies.ends[b] = total
             for r in range(RANGES):
                 here = tally[b * RANGES + r]
                 tally[b * RANGES + r] = total
                 total += here
-        ends[bodies] = total
-    return ends[bodies]
+        bodies.ends[number] = total
+    return bodies.ends[number]
 
 
 @ti.kernel
-def sort(
-    count: ti.i32,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    body_of: IntArray,
-    tally: IntArray,
-    ends: IntArray,
-    order: IntArray,
-):
+def sort(count: ti.i32, walls: Walls, bodies: BodySums, tally: IntArray):
     """Write the entries to `order` by body, each range from where `tally` has it begin; moves these to where they
     end."""
     for r in range(RANGES):
         within = span(r, RANGES, count)
         for i in range(within[0], within[1]):
-            for e in range(begin[i], begin[i] + size[i]):
-                b = body_of[solid[e]]
+            for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                b = bodies.body_of[walls.solid[e]]
                 if b >= 0:
-                    order[tally[b * RANGES + r]] = e
+                    bodies.order[tally[b * RANGES + r]] = e
                     tally[b * RANGES + r] += 1
 
 
 @ti.kernel
 def push_back(
-    ends: IntArray,
-    order: IntArray,
-    h: real,
-    spacing: real,
-    mass: real,
-    rest_density: real,
+    terms: ti.template(),
+    viscosity: real,
+    adhesion_strength: real,
+    coefficients: Coefficients,
+    fluid: Resolution,
     position: Vec4Array,
     velocity: Vec4Array,
-    particle: IntArray,
-    solid: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    pull: Vec4Array,
-    fit: vec4,
-    pose: DoubleTable,
-    inertia: DoubleTable,
-    has_pressure: ti.template(),
-    has_grip: ti.template(),
-    viscosity: real,
-    has_damping: ti.template(),
-    damping_strength: real,
-    has_adhesion: ti.template(),
-    adhesion_strength: real,
-    partial: DoubleTable,
-    wrench: DoubleTable,
+    walls: Walls,
+    bodies: BodySums,
 ):
     """The opposite of what the bodies do to particles by positions and velocities: `sim.fluid.forces.momentum` and
     `sim.fluid.forces.adhesion`."""
-    inverse_h = 1.0 / h
-    for k in range(partial.shape[0]):
+    inverse_h = 1.0 / fluid.h
+    for k in range(bodies.partial.shape[0]):
         total = vec6d(0.0)
-        centre = vector(inertia, k // PARTS, 0)
-        within = part_of(k, ends)
+        centre = vector(bodies.inertia, k // PARTS, 0)
+        within = part_of(k, bodies.ends)
         for entry in range(within[0], within[1]):
-            e = order[entry]
-            i = particle[e]
-            x, v, one = position[i], velocity[i], face[e]
-            relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
-            heavy = face_weight[e] * rest_density / v[DENSITY]
+            e = bodies.order[entry]
+            i = walls.particle[e]
+            x, v, one = position[i], velocity[i], walls.face[e]
+            relative = v.xyz - surface_velocity(walls.solid[e], x.xyz, walls.pose)
             a = vec3(0.0)
-            if ti.static(has_pressure):
-                a -= x[Q] * rest_density * pull[e].xyz
-            if ti.static(has_damping):
-                a += (
-                    heavy
-                    * face_damping(one[DISTANCE], one.xyz.dot(relative), fit, inverse_h, damping_strength)
-                    * one.xyz
-                )
-            if ti.static(has_grip):
-                a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
-            if ti.static(has_adhesion):
-                a -= face_weight[e] * face_adhesion(one[DISTANCE], adhesion_strength, h) * one.xyz
-            total += wrench_of(x.xyz - centre, -mass * a)
-        keep(partial, k, 0, total)
-    for body in range(wrench.shape[0]):
-        keep(wrench, body, 0, gather(partial, body))
+            if ti.static(terms & PRESSURE):
+                a -= x[Q] * fluid.rest_density * walls.pull[e].xyz
+            a = slowed_by_face(a, e, relative, v[DENSITY], terms, viscosity, coefficients, fluid, walls, inverse_h)
+            if ti.static(terms & ADHESION):
+                a -= walls.weight[e] * face_adhesion(one[DISTANCE], adhesion_strength, fluid.h) * one.xyz
+            total += wrench_of(x.xyz - centre, -fluid.mass * a)
+        keep(bodies.partial, k, 0, total)
+    for body in range(bodies.wrench.shape[0]):
+        keep(bodies.wrench, body, 0, gather(bodies.partial, body))
 
 
 @ti.kernel
 def hold(
-    ends: IntArray,
-    order: IntArray,
-    h: real,
-    mass: real,
-    position: Vec4Array,
     corrected: ti.template(),
-    correction: Vec4Array,
-    skew: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    particle: IntArray,
-    inertia: DoubleTable,
-    partial: DoubleTable,
-    wrench: DoubleTable,
+    fluid: Resolution,
+    position: Vec4Array,
+    lens: Lens,
+    near: Neighbors,
+    walls: Walls,
+    bodies: BodySums,
 ):
     """The opposite of (B - 1) a, for the accelerations a by the pressures of pairs: those by what solids add are in
     their pulls, with B. Of several half-spaces each has what its own factors of B change, which is along it."""
-    inverse_h = 1.0 / h
-    strength = mass * slope_norm(inverse_h)
-    for k in range(partial.shape[0]):
+    inverse_h = 1.0 / fluid.h
+    strength = fluid.mass * slope_norm(inverse_h)
+    for k in range(bodies.partial.shape[0]):
         total = vec6d(0.0)
-        centre = vector(inertia, k // PARTS, 0)
-        within = part_of(k, ends)
+        centre = vector(bodies.inertia, k // PARTS, 0)
+        within = part_of(k, bodies.ends)
         for entry in range(within[0], within[1]):
-            e = order[entry]
-            i = particle[e]
-            if held[e] > 0.0 and face[e][DISTANCE] < h:
-                pushed = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
+            e = bodies.order[entry]
+            i = walls.particle[e]
+            if walls.held[e] > 0.0 and walls.face[e][DISTANCE] < fluid.h:
+                pushed = strength * pair_pressures(i, position, corrected, lens, near, inverse_h)
                 more = vec3(0.0)
-                count = solids_near[i]
+                count = walls.size[i]
                 for n in range(2 * count):
-                    one = begin[i] + ti.min(n, 2 * count - 1 - n)
-                    change = along_face(one, pushed, face, held, fit, inverse_h) - pushed
+                    one = walls.begin[i] + ti.min(n, 2 * count - 1 - n)
+                    change = along_face(one, pushed, walls, inverse_h) - pushed
                     pushed += change
                     if one == e:
                         more += change
-                total += wrench_of(position[i].xyz - centre, -mass * more)
-        keep(partial, k, 0, total)
-    for body in range(wrench.shape[0]):
-        keep(wrench, body, 0, gather(partial, body))
+                total += wrench_of(position[i].xyz - centre, -fluid.mass * more)
+        keep(bodies.partial, k, 0, total)
+    for body in range(bodies.wrench.shape[0]):
+        keep(bodies.wrench, body, 0, gather(bodies.partial, body))
 
 
 @ti.kernel
-def answer_pressure(
-    ends: IntArray,
-    order: IntArray,
+def respond(
     ahead: real,
     strength: real,
     position: Vec4Array,
     velocity: Vec4Array,
     pressure: Vec4Array,
     found: ti.template(),
-    particle: IntArray,
-    pull: Vec4Array,
-    inertia: DoubleTable,
-    by_film: DoubleTable,
-    partial: DoubleTable,
-    wrench: DoubleTable,
-    response: DoubleTable,
+    walls: Walls,
+    bodies: BodySums,
 ):
-    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the bodies' answers; strength:
-    mass of a particle times the rest density."""
-    for k in range(partial.shape[0]):
+    """Wrenches of pressures, which are in w, or where they are `found` already in x, and the responses of bodies;
+    strength: mass of a particle times the rest density."""
+    for k in range(bodies.partial.shape[0]):
         total = vec6d(0.0)
-        centre = vector(inertia, k // PARTS, 0)
-        within = part_of(k, ends)
+        centre = vector(bodies.inertia, k // PARTS, 0)
+        within = part_of(k, bodies.ends)
         for entry in range(within[0], within[1]):
-            e = order[entry]
-            i = particle[e]
+            e = bodies.order[entry]
+            i = walls.particle[e]
             x = position[i].xyz + ahead * velocity[i].xyz
             q = pressure[i].x if ti.static(found) else pressure[i][Q]
-            total += wrench_of(x - centre, strength * q * pull[e].xyz)
-        keep(partial, k, 0, total)
-    for body in range(wrench.shape[0]):
-        total = gather(partial, body)
+            total += wrench_of(x - centre, strength * q * walls.pull[e].xyz)
+        keep(bodies.partial, k, 0, total)
+    for body in range(bodies.wrench.shape[0]):
+        total = gather(bodies.partial, body)
         for axis in ti.static(range(6)):
-            total[axis] += by_film[body, axis]
-        keep(wrench, body, 0, total)
+            total[axis] += bodies.by_lubrication[body, axis]
+        keep(bodies.wrench, body, 0, total)
         for row in ti.static(range(3)):
-            response[body, row] = inertia[body, 3] * total[row]
+            bodies.response[body, row] = bodies.inertia[body, 3] * total[row]
             turning = ti.cast(0.0, ti.f64)
             for column in ti.static(range(3)):
-                turning += inertia[body, 4 + 3 * row + column] * total[3 + column]
-            response[body, 3 + row] = turning
+                turning += bodies.inertia[body, 4 + 3 * row + column] * total[3 + column]
+            bodies.response[body, 3 + row] = turning
 
 
 @ti.kernel
@@ -275,29 +229,25 @@ def add_response(
     rest_density: real,
     position: Vec4Array,
     velocity: Vec4Array,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    pull: Vec4Array,
-    body_of: IntArray,
-    inertia: DoubleTable,
-    response: DoubleTable,
+    walls: Walls,
+    bodies: BodySums,
     pressure_acceleration: Vec4Array,
 ):
     """In pressure_acceleration.w, by how much accelerations of bodies lower the second derivative of densities [kg/(m^3
     s^2)]."""
     for i in range(count):
         given = ti.cast(0.0, real)
-        for e in range(begin[i], begin[i] + size[i]):
-            body = body_of[solid[e]]
+        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+            body = bodies.body_of[walls.solid[e]]
             if body >= 0:
-                arm = position[i].xyz + ahead * velocity[i].xyz - vector(inertia, body, 0)
-                given += pull[e].xyz.dot(vector(response, body, 0) + vector(response, body, 3).cross(arm))
+                arm = position[i].xyz + ahead * velocity[i].xyz - vector(bodies.inertia, body, 0)
+                turning = vector(bodies.response, body, 3)
+                given += walls.pull[e].xyz.dot(vector(bodies.response, body, 0) + turning.cross(arm))
         pressure_acceleration[i].w = rest_density * given
 
 
 @ti.kernel
 def subtract_predicted(count: ti.i32, dt: real, pressure_acceleration: Vec4Array, source: RealArray):
-    """Take compression as it would be, had bodies not answered already."""
+    """Take compression as it would be, had bodies not responded already."""
     for i in range(count):
         source[i] += dt * dt * pressure_acceleration[i].w

@@ -75,23 +75,16 @@ class ViscousDrag:
 
     def _sum(self, which: int, *, with_mass: bool) -> None:
         system, reaction = self.system, self.reaction
-        particles, faces = system.particles, system.boundary.faces
+        particles = system.particles
         viscous_drag_sums.drag(
             which,
-            reaction.ends,
-            reaction.order,
+            with_mass,
             1.0 / system.h,
-            system.spec.spacing,
             system.spec.rest_density * self._viscosity,
             particles.position,
             particles.velocity,
             particles.viscous_search,
-            faces.particle,
-            faces.solid,
-            faces.face,
-            faces.weight,
-            system.boundary.shapes.pose,
-            with_mass,
+            system.boundary.faces.lists,
+            reaction.sums,
             self.table,
-            reaction.partial,
         )

@@ -2,9 +2,9 @@
 
 import taichi as ti
 
-from sim.coupling.fluid_rigid.reaction_sums import PARTS, gather, keep, part_of, wrench_of
-from sim.device.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3, vector
-from sim.fluid.boundary.look import surface_velocity
+from sim.coupling.fluid_rigid.reaction_sums import PARTS, BodySums, gather, keep, part_of, wrench_of
+from sim.device.arrays import DoubleTable, Vec4Array, real, vec3, vector
+from sim.fluid.boundary.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import (
     CENTRE,
     CHANGE,
@@ -17,7 +17,7 @@ from sim.fluid.forces.body_unknowns import (
     solved,
 )
 from sim.fluid.forces.friction import face_friction
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY, Walls
 
 AS_THEY_MOVE, SEARCHES, ALONE = range(3)
 
@@ -25,47 +25,41 @@ AS_THEY_MOVE, SEARCHES, ALONE = range(3)
 @ti.kernel
 def drag(
     which: ti.template(),
-    ends: IntArray,
-    order: IntArray,
+    with_mass: ti.template(),
     inverse_h: real,
-    spacing: real,
     strength: real,
     position: Vec4Array,
     velocity: Vec4Array,
     search: Vec4Array,
-    particle: IntArray,
-    solid: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    pose: DoubleTable,
-    with_mass: ti.template(),
+    walls: Walls,
+    entries: BodySums,
     bodies: DoubleTable,
-    partial: DoubleTable,
 ):
     """As image the mass times the search of bodies, and what the friction of pairs adds: where all move as they do,
     along the searches of all, or along those of the bodies alone; densities are in search.w. strength: rest density
     times viscosity and step."""
-    for k in range(partial.shape[0]):
+    for k in range(entries.partial.shape[0]):
         total = wrench_of(vec3(0.0), vec3(0.0))
         body = k // PARTS
         centre = vector(bodies, body, CENTRE)
-        within = part_of(k, ends)
+        within = part_of(k, entries.ends)
         for entry in range(within[0], within[1]):
-            e = order[entry]
-            i = particle[e]
+            e = entries.order[entry]
+            i = walls.particle[e]
             x = position[i].xyz
             moved = vec3(0.0)
             if ti.static(which == AS_THEY_MOVE):
-                moved = velocity[i].xyz - surface_velocity(solid[e], x, pose)
+                moved = velocity[i].xyz - surface_velocity(walls.solid[e], x, walls.pose)
             else:
                 moved = -search_velocity(bodies, body, x)
             if ti.static(which == SEARCHES):
                 moved += search[i].xyz
-            pull = strength * face_weight[e] / search[i][DENSITY] * face_friction(face[e], moved, spacing, inverse_h)
+            friction = face_friction(walls.face[e], moved, walls.spacing, inverse_h)
+            pull = strength * walls.weight[e] / search[i][DENSITY] * friction
             total += wrench_of(x - centre, pull)
-        keep(partial, k, 0, total)
+        keep(entries.partial, k, 0, total)
     for b in range(bodies.shape[0]):
-        image = gather(partial, b)
+        image = gather(entries.partial, b)
         if ti.static(with_mass):
             for row in ti.static(range(3)):
                 image[row] += bodies[b, MASS] * bodies[b, SEARCH + row]

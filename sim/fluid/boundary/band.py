@@ -3,7 +3,7 @@
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.arrays import real, vec3, vec4
 from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.curvature import shift_of
 from sim.geometry.distance.narrow_band import BLOCK, OPPOSITE, TURNED
@@ -20,15 +20,15 @@ between their normals: faces may be curved."""
 
 
 @ti.func
-def cell_of(s: ti.i32, p: vec3d, frame: DoubleTable, lattice: IntTable):
+def cell_of(s: ti.i32, p: vec3d, solids: ti.template()):
     """The cell of a band that p is in, where in it from 0 to 1, and whether there is one."""
     u = vec3(0.0)
     for axis in ti.static(range(3)):
-        u[axis] = ti.cast((p[axis] - frame[s, axis]) / frame[s, 3], real)
+        u[axis] = ti.cast((p[axis] - solids.frame[s, axis]) / solids.frame[s, 3], real)
     corner = ti.floor(u, ti.i32)
     within = corner.min() >= 0
     for axis in ti.static(range(3)):
-        within = within and corner[axis] + 1 < lattice[s, 1 + axis] * BLOCK
+        within = within and corner[axis] + 1 < solids.lattice[s, 1 + axis] * BLOCK
     return corner, u - ti.cast(corner, real), within
 
 
@@ -52,21 +52,16 @@ def on_band(
     side: real,
     near: vec4,
     hollow: bool,
-    shift: ti.types.vector(2, real),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    bend: RealArray,
+    solids: ti.template(),
 ) -> vec4:
     """From the nodes about p: each tells the half-space that it sees, and those that see the side `near` are weighted
     as in trilinear interpolation. Half of the way that is left from a node to p is what interpolation itself makes of a
     curved surface; so the two errors of second order cancel. In a hollow edge only nodes before it that see the same
     face count.
     """
-    cell = ti.cast(frame[s, 3], real)
+    cell = ti.cast(solids.frame[s, 3], real)
     found = vec4(0.0, 1.0, 0.0, FAR)
-    corner, inside, within = cell_of(s, p, frame, lattice)
+    corner, inside, within = cell_of(s, p, solids)
     if within:
         known, seen, own = ti.cast(0.0, real), ti.cast(0.0, real), ti.cast(0.0, real)
         curvature = ti.cast(0.0, real)
@@ -74,9 +69,9 @@ def on_band(
         straight, bent, of_face = vec4(0.0), vec4(0.0), vec4(0.0)
         for k in range(8):
             offset = corner_of(k)
-            place = node_at(s, corner + offset, lattice, table)
+            place = node_at(s, corner + offset, solids)
             if place >= 0:
-                node = side * nodes[place]
+                node = side * solids.nodes[place]
                 displacement = inside - ti.cast(offset, real)
                 share = share_of_node(displacement)
                 rise = cell * node.xyz.dot(displacement)
@@ -87,7 +82,7 @@ def on_band(
                     ahead = vec4(node.xyz, node.w + rise)
                     straight += share * ahead
                     bent += share * vec4(node.xyz, node.w + 0.5 * rise)
-                    curvature += share * side * bend[place]
+                    curvature += share * side * solids.bend[place]
                     seen += share
                     if node.w > -ON * cell and is_of(node, near.xyz, plane, cell):
                         of_face += share * ahead
@@ -101,7 +96,7 @@ def on_band(
             length = sum_of.xyz.norm()
             if length > 1e-3 * total:
                 distance = sum_of.w / total
-                found = vec4(sum_of.xyz / length, distance + shift_of(curvature / total, distance, shift))
+                found = vec4(sum_of.xyz / length, distance + shift_of(curvature / total, distance, solids.shift))
     if found.w >= FAR or found.xyz.dot(near.xyz) < OPPOSITE:
         found = vec4(near.xyz, near.xyz.dot(ti.cast(p, real)) - near.w)
     return found
@@ -120,10 +115,11 @@ def around_of(k: ti.i32) -> ti.types.vector(3, ti.i32):
 
 
 @ti.func
-def node_at(s: ti.i32, node: ti.types.vector(3, ti.i32), lattice: IntTable, table: IntArray) -> ti.i32:
+def node_at(s: ti.i32, node: ti.types.vector(3, ti.i32), solids: ti.template()) -> ti.i32:
     """Of a node in the tables of all; -1 where there is none."""
     block, inner = node >> BITS, node & BLOCK - 1
     row = -1
-    if node.min() >= 0 and block.x < lattice[s, 1] and block.y < lattice[s, 2] and block.z < lattice[s, 3]:
-        row = table[lattice[s, 0] + (block.x * lattice[s, 2] + block.y) * lattice[s, 3] + block.z]
+    first, nx, ny, nz = solids.lattice[s, 0], solids.lattice[s, 1], solids.lattice[s, 2], solids.lattice[s, 3]
+    if node.min() >= 0 and block.x < nx and block.y < ny and block.z < nz:
+        row = solids.table[first + (block.x * ny + block.y) * nz + block.z]
     return ti.select(row >= 0, ((row * BLOCK + inner.x) * BLOCK + inner.y) * BLOCK + inner.z, -1)

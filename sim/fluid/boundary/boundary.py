@@ -10,6 +10,7 @@ import taichi as ti
 from sim.device.arrays import numpy_real, vec4
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.shapes import Shapes
+from sim.fluid.layout import Samples
 from sim.neighbors.spatial_hash import NeighborList
 
 if TYPE_CHECKING:
@@ -42,11 +43,20 @@ class Boundary:
     def _allocate(self) -> None:
         self.samples, self.velocity = (ti.ndarray(vec4, max(self.sampled, 1)) for _ in range(2))
         self.velocity.fill(0)
+        self._near_samples: Samples | None = None
 
     @property
     def sampled(self) -> int:
         """Samples of sheets."""
         return self.sheets.count if self.sheets else 0
+
+    @property
+    def near_samples(self) -> Samples:
+        """The samples of sheets and which of them are near each particle, as kernels take them."""
+        near, known = self.neighbors, self._near_samples
+        if known is None or known.index is not near.index:
+            self._near_samples = Samples(self.samples, self.velocity, near.size, near.index)
+        return self._near_samples
 
     @property
     def moves(self) -> bool:
@@ -98,7 +108,7 @@ class Boundary:
         here = ti.ndarray(vec4, len(points))
         here.from_numpy(np.column_stack((points, np.zeros(len(points)))).astype(numpy_real))
         self.elsewhere.find(here, len(points))
-        self.elsewhere.place(here, here, len(points), 0.0)
+        self.elsewhere.place(self.elsewhere.points(here, here), len(points), 0.0)
         return self.elsewhere
 
     def prevent_penetration(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int) -> None:

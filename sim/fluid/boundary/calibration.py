@@ -99,8 +99,8 @@ def curvature_shift(spacing: float, h: float) -> tuple[float, float]:
     x = (np.arange(4000) + 0.5) / 4000 * h
     moment = float((cubic_host(np.hypot(s, x), h) * 2 * np.pi * x**3).sum()) * h / 4000
     missing = lack(spacing, h)
-    lacking = moment / (2 * float(halfspace_volume_host(s / h)))
-    return lacking * missing.density / (2 * missing.force), spacing
+    missing_room = moment / (2 * float(halfspace_volume_host(s / h)))
+    return missing_room * missing.density / (2 * missing.force), spacing
 
 
 def sample_depth(spacing: float, h: float) -> float:

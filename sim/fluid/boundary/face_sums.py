@@ -2,24 +2,25 @@
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec3, vec4
+from sim.device.arrays import IntArray, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.gaps import (
     INCLINED,
-    denser,
+    allowed_excess,
     facing,
-    lacking,
-    led,
-    most_lacking,
-    relieved,
+    missing_room,
+    most_missing_room,
+    openness,
+    pressing_density,
     slack_after,
-    wide,
+    steered,
 )
 from sim.fluid.boundary.half_space import along_faces, face_slope, left_of, own_share
-from sim.fluid.boundary.look import FAR, half_space, half_spaces, look, surface_velocity, to_own, to_world
-from sim.fluid.packed import DENSITY, DISTANCE
+from sim.fluid.boundary.nearest_half_space import FAR, half_space, half_spaces, nearest_half_space
+from sim.fluid.boundary.pose import surface_velocity, to_local, to_world
+from sim.fluid.layout import DENSITY, DISTANCE, Points, Solids, Walls
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import GRID, PLANE
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 GROUP = 32
 """Points in a row for which solids are sought together."""
@@ -33,24 +34,16 @@ FACING = -0.3
 
 @ti.kernel
 def count(
-    count: ti.i32,
-    groups: ti.i32,
-    reach: ti.f64,
-    position: Vec4Array,
-    solids: ti.i32,
-    kind: IntArray,
-    boxes: DoubleTable,
-    pose: DoubleTable,
-    first: IntArray,
+    count: ti.i32, groups: ti.i32, reach: ti.f64, position: Vec4Array, number: ti.i32, solids: Solids, first: IntArray
 ) -> ti.i32:
     """Write to `first` where the members of each group will begin, and after the last where they end, which is
-    returned: solids that may come near its box."""
+    returned: those of a `number` of solids that may come near its box."""
     for g in range(groups):
         low, high = _box(g, count, position)
         found = 0
-        for s in range(solids):
-            if _comes_near(s, low, high, reach, kind, boxes, pose):
-                found += fronts_of(kind[s])
+        for s in range(number):
+            if _comes_near(s, low, high, reach, solids):
+                found += most_half_spaces(solids.kind[s])
         first[g + 1] = found
     ti.loop_config(serialize=True)
     for _ in range(1):
@@ -71,59 +64,47 @@ def _box(g: ti.i32, count: ti.i32, position: Vec4Array):
 
 
 @ti.func
-def _comes_near(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, kind: IntArray, boxes: DoubleTable, pose: DoubleTable):
-    near = _beside(s, low, high, reach, boxes)
-    if kind[s] == PLANE:
+def _comes_near(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, solids: ti.template()):
+    near = _beside(s, low, high, reach, solids)
+    if solids.kind[s] == PLANE:
         least = ti.cast(0.0, ti.f64)
         for axis in ti.static(range(3)):
-            n = pose[s, 3 * axis + 1]
+            n = solids.pose[s, 3 * axis + 1]
             corner = ti.cast(ti.select(n > 0.0, low[axis], high[axis]), ti.f64)
-            least += n * (corner - pose[s, 9 + axis])
+            least += n * (corner - solids.pose[s, 9 + axis])
         near = least < reach
     return near
 
 
 @ti.func
-def fronts_of(kind: ti.i32) -> ti.i32:
+def most_half_spaces(kind: ti.i32) -> ti.i32:
     """Half-spaces that a solid of this kind may be to one particle."""
     return ti.select(kind == GRID, 3, 1)
 
 
 @ti.func
-def _beside(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, boxes: DoubleTable):
+def _beside(s: ti.i32, low: vec3, high: vec3, reach: ti.f64, solids: ti.template()):
     beside = True
     for axis in ti.static(range(3)):
-        beside = beside and ti.cast(low[axis], ti.f64) < boxes[s, 3 + axis] + reach
-        beside = beside and ti.cast(high[axis], ti.f64) > boxes[s, axis] - reach
+        beside = beside and ti.cast(low[axis], ti.f64) < solids.boxes[s, 3 + axis] + reach
+        beside = beside and ti.cast(high[axis], ti.f64) > solids.boxes[s, axis] - reach
     return beside
 
 
 @ti.kernel
 def find(
+    kinds: ti.template(),
     count: ti.i32,
     groups: ti.i32,
     reach: ti.f64,
     position: Vec4Array,
-    solids: ti.i32,
-    boxes: DoubleTable,
-    first: IntArray,
-    member: IntArray,
     has_own: ti.i32,
     own: IntArray,
-    pose: DoubleTable,
-    kind: IntArray,
-    half: Vec4Array,
-    shift: vec2,
-    kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    particle: IntArray,
-    near: Vec4Array,
+    number: ti.i32,
+    solids: Solids,
+    first: IntArray,
+    member: IntArray,
+    walls: Walls,
 ):
     """Write to `member` the solids that may come near each group, and the entries of each particle: where they begin
     and how many there are, and of each its solid, its particle, and the half-space within `reach` [m], in the solid's
@@ -131,11 +112,11 @@ def find(
     for g in range(groups):
         low, high = _box(g, count, position)
         slot = first[g]
-        for s in range(solids):
-            if _comes_near(s, low, high, reach, kind, boxes, pose):
-                for k in range(fronts_of(kind[s])):
+        for s in range(number):
+            if _comes_near(s, low, high, reach, solids):
+                for k in range(most_half_spaces(solids.kind[s])):
                     member[slot + k] = s if k == 0 else -1
-                slot += fronts_of(kind[s])
+                slot += most_half_spaces(solids.kind[s])
     for i in range(count):
         g = i // GROUP
         room = first[g + 1] - first[g]
@@ -148,63 +129,36 @@ def find(
             if has_own == 1:
                 wanted = wanted and own[i] != s
             if wanted:
-                wanted = _beside(s, x, x, reach, boxes)
+                wanted = _beside(s, x, x, reach, solids)
             if wanted:
-                p = to_own(s, x, pose)
-                one, second, third = half_spaces(
-                    s, p, ti.cast(reach, real), kind, half, shift, kinds, frame, lattice, table, nodes
-                )
+                p = to_local(s, x, solids.pose)
+                one, second, third = half_spaces(s, p, ti.cast(reach, real), kinds, solids)
                 for c in range(3):
                     front = one if c == 0 else (second if c == 1 else third)
                     if front.xyz.dot(ti.cast(p, real)) - front.w < reach and front.w < FAR:
                         e = start + found
-                        solid[e] = s
-                        particle[e] = i
-                        near[e] = front
+                        walls.solid[e] = s
+                        walls.particle[e] = i
+                        walls.near[e] = front
                         found += 1
-        begin[i] = start
-        size[i] = found
+        walls.begin[i] = start
+        walls.size[i] = found
 
 
 @ti.kernel
 def place(
+    kinds: ti.template(),
+    has_slack: ti.i32,
+    has_pull: ti.i32,
     count: ti.i32,
     ahead: real,
     inverse_h: real,
-    spacing: real,
-    fit: vec4,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    has_slack: ti.i32,
-    slack: RealArray,
-    eased: RealArray,
+    rest_density: real,
     since: real,
     fall: real,
-    rest_density: real,
-    pose: DoubleTable,
-    kind: IntArray,
-    half: Vec4Array,
-    shift: vec2,
-    kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    bend: RealArray,
-    firm: IntArray,
-    holds: IntArray,
-    slim: IntArray,
-    has_pull: ti.i32,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    near: Vec4Array,
-    face: Vec4Array,
-    weight: RealArray,
-    held: RealArray,
-    pull: Vec4Array,
-    share: Vec4Array,
-    excess: RealArray,
+    points: Points,
+    solids: Solids,
+    walls: Walls,
 ):
     """Of two that face the same way the nearer one counts: a seam between them is no edge. Those at right angles count
     both, and so does one behind the other, as far as they do.
@@ -213,67 +167,67 @@ def place(
     both are brought on by the time `since` they were last [s], unless that is less than none; fall: g d [m^2/s^2].
     """
     for i in range(count):
-        first, last = begin[i], begin[i] + size[i]
+        spacing = walls.spacing
+        first, last = walls.begin[i], walls.begin[i] + walls.size[i]
         total, void = ti.cast(0.0, real), ti.cast(1.0, real)
         gradient, loose, ease = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
         if last > first:
-            x = position[i].xyz + ahead * velocity[i].xyz
+            x = points.position[i].xyz + ahead * points.velocity[i].xyz
             for e in range(first, last):
-                s = solid[e]
-                p = to_own(s, x, pose)
-                hollow = (e > first and solid[e - 1] == s) or (e + 1 < last and solid[e + 1] == s)
-                one = look(s, p, near[e], hollow, kind, half, shift, kinds, frame, lattice, table, nodes, bend)
-                face[e] = vec4(to_world(s, one.xyz, pose), one.w)
+                s = walls.solid[e]
+                p = to_local(s, x, solids.pose)
+                hollow = (e > first and walls.solid[e - 1] == s) or (e + 1 < last and walls.solid[e + 1] == s)
+                one = nearest_half_space(s, p, walls.near[e], hollow, kinds, solids)
+                walls.face[e] = vec4(to_world(s, one.xyz, solids.pose), one.w)
             if has_slack == 1:
-                loose, ease = slack[i], eased[i]
+                loose, ease = points.slack[i], points.eased[i]
                 if since >= 0.0:
-                    v = velocity[i]
-                    compression = relieved(v[DENSITY], rest_density, denser(loose, spacing) + ease) / rest_density - 1.0
+                    v = points.velocity[i]
+                    excess = allowed_excess(loose, spacing) + ease
+                    compression = pressing_density(v[DENSITY], rest_density, excess) / rest_density - 1.0
                     loose = slack_after(loose, since, v.xyz, compression, fall)
                     ease = slack_after(ease * spacing, since, v.xyz, compression, fall) / spacing
-                loose = ti.max(loose, most_lacking(first, last, solid, face, spacing))
+                loose = ti.max(loose, most_missing_room(first, last, walls))
                 if since > 0.0 and loose > 0.0:
-                    velocity[i].xyz = led(
-                        velocity[i].xyz, x, since, fall, loose, first, last, solid, face, pose, spacing
-                    )
+                    points.velocity[i].xyz = steered(points.velocity[i].xyz, x, since, fall, loose, first, last, walls)
             for e in range(first, last):
-                open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - face[e][DISTANCE]), 0.0)
+                open_gap, off = ti.cast(1.0, real), ti.max(ti.min(loose, 0.5 * spacing - walls.face[e][DISTANCE]), 0.0)
                 for other in range(first, last):
-                    if solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz):
-                        open_gap = ti.min(
-                            open_gap, wide(face[e][DISTANCE] + face[other][DISTANCE], spacing, slim[solid[e]])
-                        )
-                        off = ti.max(off, lacking(face[e], face[other], INCLINED, spacing))
-                weight[e] = off
+                    if walls.solid[other] != walls.solid[e] and facing(walls.face[e].xyz, walls.face[other].xyz):
+                        gap = walls.face[e][DISTANCE] + walls.face[other][DISTANCE]
+                        open_gap = ti.min(open_gap, openness(gap, spacing, solids.slim[walls.solid[e]]))
+                        off = ti.max(off, missing_room(walls.face[e], walls.face[other], INCLINED, spacing))
+                walls.weight[e] = off
                 if has_pull == 1:
-                    pull[e].w = ti.select(firm[solid[e]] == 1, 1.0, open_gap)
+                    walls.pull[e].w = ti.select(solids.firm[walls.solid[e]] == 1, 1.0, open_gap)
             for e in range(first, last):
-                face[e][DISTANCE] += weight[e]
+                walls.face[e][DISTANCE] += walls.weight[e]
             for e in range(first, last):
                 counts = ti.cast(1.0, real)
                 for other in range(first, last):
-                    nearer = face[other][DISTANCE] < face[e][DISTANCE] or (
-                        face[other][DISTANCE] == face[e][DISTANCE] and other < e
+                    nearer = walls.face[other][DISTANCE] < walls.face[e][DISTANCE] or (
+                        walls.face[other][DISTANCE] == walls.face[e][DISTANCE] and other < e
                     )
                     if nearer:
-                        like = ti.max(face[e].xyz.dot(face[other].xyz), 0.0)
+                        like = ti.max(walls.face[e].xyz.dot(walls.face[other].xyz), 0.0)
                         counts *= (1.0 - like * like) ** 2
-                weight[e] = counts
-                held[e] = counts * holds[solid[e]] * pull[e].w
-                share_of = counts * own_share(face[e][DISTANCE], fit, inverse_h)
-                left = left_of(share_of, fit)
+                walls.weight[e] = counts
+                walls.held[e] = counts * solids.holds[walls.solid[e]] * walls.pull[e].w
+                share_of = counts * own_share(walls.face[e][DISTANCE], walls.fit, inverse_h)
+                left = left_of(share_of, walls.fit)
                 total += share_of - (1.0 - left)
                 void *= left
             total += 1.0 - void
             for e in range(first, last):
-                one = face_slope(face[e][DISTANCE], weight[e], void, fit, inverse_h) * face[e].xyz
+                face = walls.face[e]
+                one = face_slope(face[DISTANCE], walls.weight[e], void, walls.fit, inverse_h) * face.xyz
                 if has_pull == 1:
-                    pull[e].xyz = pull[e].w * along_faces(i, one, begin, size, face, held, fit, inverse_h)
+                    walls.pull[e].xyz = walls.pull[e].w * along_faces(i, one, walls, inverse_h)
                 gradient += one
         if since >= 0.0:
-            slack[i], eased[i] = loose, ease
-        share[i] = vec4(gradient, total)
-        excess[i] = denser(loose, spacing) + ease
+            points.slack[i], points.eased[i] = loose, ease
+        walls.share[i] = vec4(gradient, total)
+        walls.excess[i] = allowed_excess(loose, spacing) + ease
 
 
 @ti.kernel
@@ -295,82 +249,63 @@ def ease(count: ti.i32, known: RealArray, share: Vec4Array, eased: RealArray, ex
 
 
 @ti.kernel
-def sever(
-    count: ti.i32,
-    position: Vec4Array,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    face: Vec4Array,
-    near_size: IntArray,
-    near_index: IntTable,
-):
+def sever(count: ti.i32, position: Vec4Array, walls: Walls, near: Neighbors):
     """A pair is cut where its line enters the solid through one particle's half-space before it leaves it through the
     other's, and these face away from each other."""
     for i in range(count):
-        if size[i] > 0:
+        if walls.size[i] > 0:
             x = position[i].xyz
             left = 0
-            for k in range(near_size[i]):
-                j = near_index[i, k]
+            for k in range(near.size[i]):
+                j = near.index[i, k]
                 d = position[j].xyz - x
                 cut = False
-                for e in range(begin[i], begin[i] + size[i]):
-                    mine = face[e]
+                for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                    mine = walls.face[e]
                     beyond = mine.w + mine.xyz.dot(d)
                     if beyond < 0.0 and mine.w >= 0.0:
-                        for o in range(begin[j], begin[j] + size[j]):
-                            other = face[o]
-                            if solid[o] == solid[e] and mine.xyz.dot(other.xyz) < FACING:
+                        for o in range(walls.begin[j], walls.begin[j] + walls.size[j]):
+                            other = walls.face[o]
+                            if walls.solid[o] == walls.solid[e] and mine.xyz.dot(other.xyz) < FACING:
                                 behind = other.w - other.xyz.dot(d)
                                 if behind < 0.0 and other.w >= 0.0:
                                     enters = mine.w / (mine.w - beyond)
                                     leaves = 1.0 - other.w / (other.w - behind)
                                     cut = cut or enters <= leaves + TOUCHING
                 if not cut:
-                    near_index[i, left] = j
+                    near.index[i, left] = j
                     left += 1
-            near_size[i] = left
+            near.size[i] = left
             for k in range(left, padded(left)):
-                near_index[i, k] = i
+                near.index[i, k] = i
 
 
 @ti.kernel
 def prevent_penetration(
+    kinds: ti.template(),
     count: ti.i32,
     gap: real,
     position: Vec4Array,
     velocity: Vec4Array,
-    pose: DoubleTable,
-    kind: IntArray,
-    half: Vec4Array,
-    shift: vec2,
-    kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    begin: IntArray,
-    size: IntArray,
-    solid: IntArray,
-    near: Vec4Array,
+    solids: Solids,
+    walls: Walls,
 ) -> ti.i32:
     """Take particles that came out on the other side of a solid back to `gap` [m] before the side that was `near`,
     without the velocity into it; returns how many entries that concerned."""
     held = 0
     for i in range(count):
-        for e in range(begin[i], begin[i] + size[i]):
-            s = solid[e]
+        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+            s = walls.solid[e]
             x = position[i].xyz
-            p = to_own(s, x, pose)
+            p = to_local(s, x, solids.pose)
             at = ti.cast(p, real)
-            side = near[e]
-            if side.xyz.dot(at) - side.w < 0.0 and kind[s] != PLANE:
-                one = half_space(s, p, kind, half, shift, kinds, frame, lattice, table, nodes)
+            side = walls.near[e]
+            if side.xyz.dot(at) - side.w < 0.0 and solids.kind[s] != PLANE:
+                one = half_space(s, p, kinds, solids)
                 if one.w < FAR and one.xyz.dot(side.xyz) < OPPOSITE:
-                    normal = to_world(s, side.xyz, pose)
+                    normal = to_world(s, side.xyz, solids.pose)
                     position[i].xyz = x + (gap + side.w - side.xyz.dot(at)) * normal
-                    relative = velocity[i].xyz - surface_velocity(s, x, pose)
+                    relative = velocity[i].xyz - surface_velocity(s, x, solids.pose)
                     velocity[i].xyz -= ti.min(normal.dot(relative), 0.0) * normal
                     ti.atomic_add(held, 1)
     return held

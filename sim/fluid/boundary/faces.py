@@ -11,11 +11,12 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import GROWTH, numpy_real, real, vec2, vec4
+from sim.device.arrays import GROWTH, numpy_real, real, vec4
 from sim.fluid.boundary import face_sums
 from sim.fluid.boundary.face_sums import GROUP
 from sim.fluid.boundary.half_space import half_space_fit
 from sim.fluid.boundary.shapes import Shapes
+from sim.fluid.layout import Points, Walls
 from sim.neighbors.spatial_hash import NeighborList
 
 
@@ -25,16 +26,17 @@ class Faces:
     begin, size: of the entries of each point; solid, particle: of each entry; face: unit normal and distance [m];
     weight of each: less where a nearer one faces the same way; held: the same, of solids that hold fluid along them;
     pull: what it alone adds to the gradient of the density, over the rest density [1/m], as pressure feels it
-    (`along_faces`), and how far it does where another is near (`gaps.wide`) in w. share: of all, over the rest density,
-    in w, and its gradient [1/m]. excess: by how much denser than the fluid, over that, a particle may be in a gap.
+    (`along_faces`), and how far it does where another is near (`gaps.openness`) in w. share: of all, over the rest
+    density, in w, and its gradient [1/m]. excess: by how much denser than the fluid, over that, a particle may be in a
+    gap.
     """
 
     def __init__(self, shapes: Shapes, spacing: float, h: float, reach: float):
         self.shapes = shapes
         self.spacing, self.h, self.reach = spacing, h, reach
         self.fit = vec4(*half_space_fit(spacing, h))
-        self._shift = vec2(*shapes.shift)
         self._rows = self._groups = self._entries = 0
+        self._lists: Walls | None = None
         self._make_room(1, 1, 1)
 
     def _make_room(self, points: int, groups: int, entries: int) -> None:
@@ -47,6 +49,7 @@ class Faces:
             self.size.fill(0)
             self.share.fill(0)
             self.excess.fill(0)
+            self._lists = None
         if groups > self._groups:
             self._groups = math.ceil(GROWTH * groups)
             self._first = ti.ndarray(ti.i32, self._groups + 1)
@@ -56,26 +59,33 @@ class Faces:
             self.solid, self.particle = ti.ndarray(ti.i32, self._entries), ti.ndarray(ti.i32, self._entries)
             self._near, self.face, self.pull = (ti.ndarray(vec4, self._entries) for _ in range(3))
             self.weight, self.held = ti.ndarray(real, self._entries), ti.ndarray(real, self._entries)
+            self._lists = None
 
     @property
-    def lists(self) -> tuple[object, ...]:
-        """As kernels take them: begin, size, face, weight, held, fit."""
-        return self.begin, self.size, self.face, self.weight, self.held, self.fit
+    def lists(self) -> Walls:
+        """All of these as kernels take them."""
+        if self._lists is None:
+            self._lists = Walls(
+                self.spacing,
+                self.fit,
+                self.begin,
+                self.size,
+                self.share,
+                self.excess,
+                self.solid,
+                self.particle,
+                self._near,
+                self.face,
+                self.weight,
+                self.held,
+                self.pull,
+                self.shapes.pose,
+            )
+        return self._lists
 
-    @property
-    def _looks(self) -> tuple[object, ...]:
-        shapes = self.shapes
-        return (
-            shapes.pose,
-            shapes.kind,
-            shapes.size,
-            self._shift,
-            shapes.kinds,
-            shapes.frame,
-            shapes.lattice,
-            shapes.table,
-            shapes.nodes,
-        )
+    def points(self, position: ti.Ndarray, velocity: ti.Ndarray) -> Points:
+        """Points that nothing catches in gaps, to be placed."""
+        return Points(position, velocity, self.excess, self.excess)
 
     def find(self, position: ti.Ndarray, count: int, own: ti.Ndarray | None = None) -> None:
         """List the solids within the reach of `count` points [m], but for each point's `own`."""
@@ -87,81 +97,56 @@ class Faces:
         if not shapes.count:
             self.size.fill(0)
             return
-        total = face_sums.count(
-            count, groups, self.reach, position, shapes.count, shapes.kind, shapes.boxes, shapes.pose, self._first
-        )
+        total = face_sums.count(count, groups, self.reach, position, shapes.count, shapes.tables, self._first)
         self._make_room(count, groups, GROUP * total)
         face_sums.find(
+            shapes.kinds,
             count,
             groups,
             self.reach,
             position,
-            shapes.count,
-            shapes.boxes,
-            self._first,
-            self._member,
             own is not None,
             own if own is not None else self._first,
-            *self._looks,
-            self.begin,
-            self.size,
-            self.solid,
-            self.particle,
-            self._near,
+            shapes.count,
+            shapes.tables,
+            self._first,
+            self._member,
+            self.lists,
         )
 
     def place(
         self,
-        position: ti.Ndarray,
-        velocity: ti.Ndarray,
+        points: Points,
         count: int,
         ahead: float,
         *,
-        slack: ti.Ndarray | None = None,
-        eased: ti.Ndarray | None = None,
+        gaps: bool = False,
         since: float | None = None,
         fall: float = 0.0,
         rest_density: float = 1.0,
         pulls: bool = True,
     ) -> None:
-        """Find the half-spaces where the solids are now, and points will be `ahead` [s]; without `pulls` these stay.
+        """Find the half-spaces where the solids are now, and `count` points will be `ahead` [s]; without `pulls` these
+        stay.
 
-        slack: of points in gaps [m] (`sim.fluid.boundary.gaps`), eased: the share that does not press yet (`ease`);
-        brought on where it is given how much time `since` the last step [s] has gone by: then velocities in gaps are
-        changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
+        gaps: whether points have slack; it is brought on where it is given how much time `since` the last step [s] has
+        gone by: then velocities in gaps are changed, too. fall: g d [m^2/s^2]; rest_density [kg/m^3].
         """
         if not self.shapes.count:
             return
         face_sums.place(
+            self.shapes.kinds,
+            gaps,
+            pulls,
             count,
             ahead,
             1.0 / self.h,
-            self.spacing,
-            self.fit,
-            position,
-            velocity,
-            slack is not None,
-            slack if slack is not None else self.excess,
-            eased if eased is not None else self.excess,
+            rest_density,
             -1.0 if since is None else since,
             fall,
-            rest_density,
-            *self._looks,
-            self.shapes.bend,
-            self.shapes.firm,
-            self.shapes.holds,
-            self.shapes.slim,
-            pulls,
-            self.begin,
-            self.size,
-            self.solid,
-            self._near,
-            self.face,
-            self.weight,
-            self.held,
-            self.pull,
-            self.share,
-            self.excess,
+            points,
+            self.shapes.tables,
+            self.lists,
         )
 
     def note(self, count: int, known: ti.Ndarray) -> None:
@@ -180,9 +165,7 @@ class Faces:
     def sever(self, position: ti.Ndarray, count: int, neighbors: NeighborList) -> None:
         """Take from lists the neighbours on the other side of a thin solid."""
         if self.shapes.thin:
-            face_sums.sever(
-                count, position, self.begin, self.size, self.solid, self.face, neighbors.size, neighbors.index
-            )
+            face_sums.sever(count, position, self.lists, neighbors.lists)
 
     def prevent_penetration(self, position: ti.Ndarray, velocity: ti.Ndarray, count: int, gap: float) -> int:
         """Bring particles back that have gone through a thin solid since they were listed, `gap` [m] off it; how many.
@@ -190,7 +173,7 @@ class Faces:
         if not self.shapes.thin:
             return 0
         return face_sums.prevent_penetration(
-            count, gap, position, velocity, *self._looks, self.begin, self.size, self.solid, self._near
+            self.shapes.kinds, count, gap, position, velocity, self.shapes.tables, self.lists
         )
 
     @property

@@ -11,9 +11,9 @@ Functions of several half-spaces take them as `sim.fluid.boundary.faces` lists t
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
-from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.packed import DISTANCE
+from sim.device.arrays import real, vec3, vec4
+from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.layout import DISTANCE
 from sim.geometry.distance.narrow_band import OPPOSITE
 
 NARROW, WIDE = 1.2, 2.0
@@ -42,7 +42,7 @@ def facing(one: vec3, other: vec3):
 
 
 @ti.func
-def wide(gap: real, spacing: real, slim: ti.i32) -> real:
+def openness(gap: real, spacing: real, slim: ti.i32) -> real:
     """How far what particles do in a gap between two solids is what a fluid would do: between none and all of it.
 
     One or two layers of particles press on what encloses them by how well they fit in, as molecules do (Israelachvili
@@ -56,7 +56,7 @@ def wide(gap: real, spacing: real, slim: ti.i32) -> real:
 
 
 @ti.func
-def lacking(one: vec4, other: vec4, least: real, spacing: real) -> real:
+def missing_room(one: vec4, other: vec4, least: real, spacing: real) -> real:
     """By how much two half-spaces are nearer to what is between them than to a layer [m], as far as they face each
     other: not at all where the cosine of their angle is `least`."""
     opposed = ti.math.clamp((-one.xyz.dot(other.xyz) - least) / (STRAIGHT - least), 0.0, 1.0)
@@ -64,13 +64,13 @@ def lacking(one: vec4, other: vec4, least: real, spacing: real) -> real:
 
 
 @ti.func
-def most_lacking(first: ti.i32, last: ti.i32, solid: IntArray, face: Vec4Array, spacing: real) -> real:
+def most_missing_room(first: ti.i32, last: ti.i32, walls: ti.template()) -> real:
     """The slack that the tightest of the gaps around a particle gives it [m]."""
     most = ti.cast(0.0, real)
     for e in range(first, last):
         for other in range(first, e):
-            if solid[other] != solid[e]:
-                most = ti.max(most, lacking(face[e], face[other], WEDGE, spacing))
+            if walls.solid[other] != walls.solid[e]:
+                most = ti.max(most, missing_room(walls.face[e], walls.face[other], WEDGE, walls.spacing))
     return most
 
 
@@ -83,7 +83,7 @@ def slack_after(slack: real, dt: real, v: vec3, compression: real, fall: real) -
 
 
 @ti.func
-def led(
+def steered(
     v: vec3,
     x: vec3,
     dt: real,
@@ -91,52 +91,48 @@ def led(
     slack: real,
     first: ti.i32,
     last: ti.i32,
-    solid: IntArray,
-    face: Vec4Array,
-    pose: DoubleTable,
-    spacing: real,
+    walls: ti.template(),
 ) -> vec3:
     """The velocity of a particle with slack: to the middle of the gap that it is in, and out of
     surfaces that it is in by more than that."""
+    spacing = walls.spacing
     along, tightest, kept = v, ti.cast(0.0, real), ti.cast(0.0, real)
     for e in range(first, last):
         for other in range(first, e):
-            tight = lacking(face[e], face[other], INCLINED, spacing)
-            if solid[other] != solid[e] and tight > tightest:
+            tight = missing_room(walls.face[e], walls.face[other], INCLINED, spacing)
+            if walls.solid[other] != walls.solid[e] and tight > tightest:
                 tightest, kept = tight, ti.min(tight / (LED * spacing), 1.0)
-                normal = (face[e].xyz - face[other].xyz).normalized()
-                off = 0.5 * (face[other][DISTANCE] - face[e][DISTANCE])
-                one, two = surface_velocity(solid[e], x, pose), surface_velocity(solid[other], x, pose)
+                normal = (walls.face[e].xyz - walls.face[other].xyz).normalized()
+                off = 0.5 * (walls.face[other][DISTANCE] - walls.face[e][DISTANCE])
+                one = surface_velocity(walls.solid[e], x, walls.pose)
+                two = surface_velocity(walls.solid[other], x, walls.pose)
                 rate = rate_of(ti.abs(normal.dot(one - two)) + ti.sqrt(fall), dt, spacing)
                 along += kept * (rate * off + normal.dot(0.5 * (one + two) - along)) * normal
     stopped = (1.0 - kept) * ti.min(slack / (LED * spacing), 1.0)
     for e in range(first, last):
-        if face[e][DISTANCE] < 0.5 * spacing:
-            out = ti.max(0.5 * spacing - face[e][DISTANCE] - slack, 0.0) * rate_of(ti.sqrt(fall), dt, spacing)
-            speed = face[e].xyz.dot(along - surface_velocity(solid[e], x, pose))
-            along += stopped * ti.max(out - speed, 0.0) * face[e].xyz
+        if walls.face[e][DISTANCE] < 0.5 * spacing:
+            out = ti.max(0.5 * spacing - walls.face[e][DISTANCE] - slack, 0.0) * rate_of(ti.sqrt(fall), dt, spacing)
+            speed = walls.face[e].xyz.dot(along - surface_velocity(walls.solid[e], x, walls.pose))
+            along += stopped * ti.max(out - speed, 0.0) * walls.face[e].xyz
     return along
 
 
 @ti.func
-def felt_velocity(
+def velocity_in_gap(
     e: ti.i32,
     x: vec3,
     first: ti.i32,
     last: ti.i32,
-    solid: IntArray,
-    face: Vec4Array,
-    pose: DoubleTable,
-    spacing: real,
+    walls: ti.template(),
 ) -> vec3:
     """The velocity [m/s] of a half-space as fluid at x feels it. In a gap narrower than a layer it is what both sides
     have in common: the layer there gets denser while they close, and would be squeezed out without need."""
-    own = surface_velocity(solid[e], x, pose)
+    own = surface_velocity(walls.solid[e], x, walls.pose)
     found = own
     for other in range(first, last):
-        opposed = solid[other] != solid[e] and facing(face[e].xyz, face[other].xyz)
-        if opposed and face[e][DISTANCE] + face[other][DISTANCE] < FULL * spacing:
-            found = 0.5 * (own + surface_velocity(solid[other], x, pose))
+        opposed = walls.solid[other] != walls.solid[e] and facing(walls.face[e].xyz, walls.face[other].xyz)
+        if opposed and walls.face[e][DISTANCE] + walls.face[other][DISTANCE] < FULL * walls.spacing:
+            found = 0.5 * (own + surface_velocity(walls.solid[other], x, walls.pose))
     return found
 
 
@@ -147,12 +143,12 @@ def rate_of(speed: real, dt: real, spacing: real) -> real:
 
 
 @ti.func
-def denser(slack: real, spacing: real) -> real:
+def allowed_excess(slack: real, spacing: real) -> real:
     """By how much a particle may be denser than the fluid, over that: what is d thick has d - 2 slack of room."""
     return 2.0 * slack / ti.max(spacing - 2.0 * slack, TIGHTEST * spacing)
 
 
 @ti.func
-def relieved(density: real, rest_density: real, excess: real) -> real:
+def pressing_density(density: real, rest_density: real, excess: real) -> real:
     """The density that pressure is to act on, of a particle that may be denser by this `excess` over the fluid's."""
     return density - ti.math.clamp(density - rest_density, 0.0, excess * rest_density)

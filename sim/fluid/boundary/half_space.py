@@ -8,10 +8,10 @@ particle i those from begin[i] on, size[i] of them, with unit normal and distanc
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import IntArray, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.device.arrays import mat3, real, vec3, vec4
 from sim.fluid.boundary.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
-from sim.fluid.packed import DISTANCE
+from sim.fluid.layout import DISTANCE
 
 
 def half_space_fit(spacing: float, h: float) -> tuple[float, float, float, float]:
@@ -40,11 +40,11 @@ def left_of(share: real, fit: vec4) -> real:
 
 
 @ti.func
-def void_of(first: ti.i32, last: ti.i32, face: Vec4Array, face_weight: RealArray, fit: vec4, inverse_h: real) -> real:
+def void_of(first: ti.i32, last: ti.i32, walls: ti.template(), inverse_h: real) -> real:
     """What half-spaces from `first` to before `last` leave together: the product of what each does."""
     void = ti.cast(1.0, real)
     for e in range(first, last):
-        void *= left_of(face_weight[e] * own_share(face[e][DISTANCE], fit, inverse_h), fit)
+        void *= left_of(walls.weight[e] * own_share(walls.face[e][DISTANCE], walls.fit, inverse_h), walls.fit)
     return void
 
 
@@ -60,11 +60,7 @@ def face_slope(distance: real, weight: real, void: real, fit: vec4, inverse_h: r
 def along_faces(
     i: ti.i32,
     a: vec3,
-    begin: IntArray,
-    size: IntArray,
-    face: Vec4Array,
-    held: RealArray,
-    fit: vec4,
+    walls: ti.template(),
     inverse_h: real,
 ) -> vec3:
     """B a: the acceleration by pressure as it would be, were there fluid beyond the surfaces too.
@@ -76,39 +72,37 @@ def along_faces(
     hold.
     """
     pushed = a
-    count = size[i]
+    count = walls.size[i]
     for k in range(2 * count):
-        pushed = along_face(begin[i] + ti.min(k, 2 * count - 1 - k), pushed, face, held, fit, inverse_h)
+        pushed = along_face(walls.begin[i] + ti.min(k, 2 * count - 1 - k), pushed, walls, inverse_h)
     return pushed
 
 
 @ti.func
-def lacking_along(
-    i: ti.i32, begin: IntArray, size: IntArray, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real
-) -> mat3:
+def lacking_along(i: ti.i32, walls: ti.template(), inverse_h: real) -> mat3:
     """1 - B^-1: the share that is missing of a lattice's sums beside the surfaces, which B makes good."""
     left = ti.Matrix.identity(real, 3)
-    count = size[i]
+    count = walls.size[i]
     for k in range(2 * count):
-        e = begin[i] + ti.min(k, 2 * count - 1 - k)
-        n, share = face[e].xyz, ti.sqrt(left_along(e, face, held, fit, inverse_h))
+        e = walls.begin[i] + ti.min(k, 2 * count - 1 - k)
+        n, share = walls.face[e].xyz, ti.sqrt(left_along(e, walls, inverse_h))
         left = share * left + (1.0 - share) * n.outer_product(n) @ left
     return ti.Matrix.identity(real, 3) - left
 
 
 @ti.func
-def left_along(e: ti.i32, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> real:
+def left_along(e: ti.i32, walls: ti.template(), inverse_h: real) -> real:
     """The share of what a particle is pushed by along a surface that is on this side of it."""
-    return 1.0 - held[e] * fit.z * halfspace_volume(ti.max(face[e][DISTANCE] * inverse_h, 0.0))
+    return 1.0 - walls.held[e] * walls.fit.z * halfspace_volume(ti.max(walls.face[e][DISTANCE] * inverse_h, 0.0))
 
 
 @ti.func
-def along_face(e: ti.i32, a: vec3, face: Vec4Array, held: RealArray, fit: vec4, inverse_h: real) -> vec3:
+def along_face(e: ti.i32, a: vec3, walls: ti.template(), inverse_h: real) -> vec3:
     """One factor of B: half of what one half-space is for, along it."""
     pushed = a
-    if face[e][DISTANCE] * inverse_h < 1.0:
-        factor = 1.0 / ti.sqrt(left_along(e, face, held, fit, inverse_h))
-        pushed = factor * a + (1.0 - factor) * face[e].xyz.dot(a) * face[e].xyz
+    if walls.face[e][DISTANCE] * inverse_h < 1.0:
+        factor = 1.0 / ti.sqrt(left_along(e, walls, inverse_h))
+        pushed = factor * a + (1.0 - factor) * walls.face[e].xyz.dot(a) * walls.face[e].xyz
     return pushed
 
 

@@ -5,8 +5,8 @@ from abc import ABC, abstractmethod
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import IntArray, IntTable, Vec4Array, numpy_real, vec4
-from sim.neighbors.spatial_hash import HashGrid, NeighborList
+from sim.device.arrays import IntArray, Vec4Array, numpy_real, vec4
+from sim.neighbors.spatial_hash import HashGrid, NeighborList, Neighbors
 
 
 class OneSidedSamples(ABC):
@@ -40,12 +40,10 @@ class OneSidedSamples(ABC):
             count,
             position,
             self.grid.order,
-            self.near.size,
-            self.near.index,
+            self.near.lists,
             self.facing,
             lists.capacity,
-            lists.size,
-            lists.index,
+            lists.lists,
         )
 
     @property
@@ -65,23 +63,21 @@ def _tell(
     count: ti.i32,
     position: Vec4Array,
     order: IntArray,
-    near_size: IntArray,
-    near_index: IntTable,
+    near: Neighbors,
     facing: Vec4Array,
     capacity: ti.i32,
-    size: IntArray,
-    index: IntTable,
+    lists: Neighbors,
 ) -> ti.i32:
     longest = 0
     for i in range(count):
         end = 0
-        for k in range(near_size[i]):
-            sample = order[near_index[i, k]]
+        for k in range(near.size[i]):
+            sample = order[near.index[i, k]]
             if beyond(facing[sample], position[i]):
                 if end < capacity:
-                    index[i, end] = sample
+                    lists.index[i, end] = sample
                 end += 1
-        size[i] = ti.min(end, capacity)
+        lists.size[i] = ti.min(end, capacity)
         ti.atomic_max(longest, end)
     return longest
 

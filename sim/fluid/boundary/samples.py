@@ -2,26 +2,24 @@
 
 import taichi as ti
 
-from sim.device.arrays import IntTable, Vec4Array, real, vec3, vec4
+from sim.device.arrays import Vec4Array, real, vec3, vec4
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, slope_norm
-from sim.fluid.packed import VOLUME
+from sim.fluid.layout import VOLUME
 
 
 @ti.func
 def sheet_share(
     x: vec3,
     row: ti.i32,
-    samples_near: ti.i32,
-    sample_index: IntTable,
-    samples: Vec4Array,
+    samples: ti.template(),
     inverse_h: real,
 ) -> vec4:
     """Density at x over the rest density in w, and its gradient [1/m]; the samples are those listed in `row`."""
     norm = cubic_norm(inverse_h)
     share = ti.cast(0.0, real)
     gradient = vec3(0.0)
-    for k in range(samples_near):
-        b = samples[sample_index[row, k]]
+    for k in range(samples.size[row]):
+        b = samples.sample[samples.index[row, k]]
         d = x - b.xyz
         q = d.norm() * inverse_h
         share += norm * b[VOLUME] * cubic(q)
@@ -33,18 +31,15 @@ def sheet_share(
 def approach(
     x: vec3,
     row: ti.i32,
-    samples_near: ti.i32,
-    sample_index: IntTable,
-    samples: Vec4Array,
-    sample_velocity: Vec4Array,
+    samples: ti.template(),
     inverse_h: real,
 ) -> real:
     """Rate [1/s] at which the motion of the samples alone raises the share of the solids at x."""
     rate = ti.cast(0.0, real)
-    for k in range(samples_near):
-        b = sample_index[row, k]
-        d = x - samples[b].xyz
-        rate -= samples[b][VOLUME] * cubic_slope(d.norm() * inverse_h) * d.dot(sample_velocity[b].xyz)
+    for k in range(samples.size[row]):
+        b = samples.index[row, k]
+        d = x - samples.sample[b].xyz
+        rate -= samples.sample[b][VOLUME] * cubic_slope(d.norm() * inverse_h) * d.dot(samples.velocity[b].xyz)
     return slope_norm(inverse_h) * rate
 
 

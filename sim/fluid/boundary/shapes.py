@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import integer_array, numpy_real, real, vec4
+from sim.device.arrays import integer_array, numpy_real, real, vec2, vec4
 from sim.fluid.boundary.calibration import curvature_shift
+from sim.fluid.layout import Solids
 from sim.geometry.distance.narrow_band import BLOCK, NarrowBand
 from sim.geometry.distance.sdf import PLANE
 from sim.geometry.primitives import Primitive
@@ -79,10 +80,24 @@ class Shapes:
         signs = np.array([-1.0 if solid.hollow else 1.0 for solid in self.solids] or [1.0])
         sizes = np.array([solid.shape.size for solid in self.solids]).reshape(-1, 3)
         self.size = self._vectors(np.column_stack((sizes, signs[: self.count])))
-        self.shift = curvature_shift(spacing, h)
         self._fill_bands()
         self.pose = ti.ndarray(ti.f64, (max(self.count, 1), POSE))
         self.boxes = ti.ndarray(ti.f64, (max(self.count, 1), 6))
+        self.tables = Solids(
+            vec2(*curvature_shift(spacing, h)),
+            self.pose,
+            self.boxes,
+            self.kind,
+            self.size,
+            self.firm,
+            self.holds,
+            self.slim,
+            self.frame,
+            self.lattice,
+            self.table,
+            self.nodes,
+            self.bend,
+        )
         self._poses = np.zeros((self.count, POSE))
         for index, solid in enumerate(self.solids):
             self._poses[index, :9] = solid.shape.turn.ravel()

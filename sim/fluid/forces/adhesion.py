@@ -12,10 +12,10 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
+from sim.device.arrays import Vec4Array, real, vec3
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
 from sim.fluid.forces.force import Force
-from sim.fluid.packed import DISTANCE, VOLUME
+from sim.fluid.layout import DISTANCE, VOLUME, Samples, Walls
 from sim.fluid.system import FluidSystem
 
 _Q = 0.5 + (np.arange(4000) + 0.5) / 8000
@@ -69,13 +69,8 @@ class Adhesion(Force):
             system.particles.position,
             system.particles.acceleration,
             boundary.sampled > 0,
-            boundary.samples,
-            boundary.neighbors.size,
-            boundary.neighbors.index,
-            boundary.faces.begin,
-            boundary.faces.size,
-            boundary.faces.face,
-            boundary.faces.weight,
+            boundary.near_samples,
+            boundary.faces.lists,
         )
 
 
@@ -125,24 +120,20 @@ def _accelerate(
     position: Vec4Array,
     acceleration: Vec4Array,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
+    samples: Samples,
+    walls: Walls,
 ):
     inverse_h = 1.0 / h
     for i in range(count):
         x = position[i].xyz
         a = vec3(0.0)
         if ti.static(has_samples):
-            for k in range(sample_size[i]):
-                b = samples[sample_index[i, k]]
+            for k in range(samples.size[i]):
+                b = samples.sample[samples.index[i, k]]
                 d = x - b.xyz
                 r = ti.max(d.norm(), 1e-6 * h)
                 a -= sample_strength * b[VOLUME] * adhesion(r * inverse_h) / r * d
-        for e in range(begin[i], begin[i] + solids_near[i]):
-            a -= face_weight[e] * face_adhesion(face[e][DISTANCE], solid_strength, h) * face[e].xyz
+        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+            one = walls.face[e]
+            a -= walls.weight[e] * face_adhesion(one[DISTANCE], solid_strength, h) * one.xyz
         acceleration[i].xyz += a

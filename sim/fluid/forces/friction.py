@@ -18,7 +18,7 @@ from sim.device.arrays import mat3, real, vec3, vec4
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces.pairwise import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host
-from sim.fluid.packed import DISTANCE
+from sim.fluid.layout import DISTANCE
 from sim.fluid.spec import Fluid
 
 HOLD = 1.1
@@ -56,7 +56,7 @@ ALONG, ACROSS = _fit()
 
 
 @ti.func
-def wall_grip(distance: real, spacing: real, inverse_h: real) -> ti.types.vector(2, real):
+def wall_coefficients(distance: real, spacing: real, inverse_h: real) -> ti.types.vector(2, real):
     """T and N [1/m^2] at this distance [m] from a wall."""
     q = ti.math.clamp(distance, NEAREST * spacing, 1.0 / inverse_h) * inverse_h
     far = 1.0 - q
@@ -73,15 +73,15 @@ def wall_grip(distance: real, spacing: real, inverse_h: real) -> ti.types.vector
 def face_friction(face: vec4, v: vec3, spacing: real, inverse_h: real) -> vec3:
     """T v_t + N v_n [1/(m s)] beside one half-space, with unit normal and distance [m] in `face`, that fluid passes at
     the velocity v: the acceleration is this times the viscosity."""
-    grip = wall_grip(face[DISTANCE], spacing, inverse_h)
-    return grip.x * v + (grip.y - grip.x) * face.xyz.dot(v) * face.xyz
+    t, n = wall_coefficients(face[DISTANCE], spacing, inverse_h)
+    return t * v + (n - t) * face.xyz.dot(v) * face.xyz
 
 
 @ti.func
 def face_friction_block(face: vec4, spacing: real, inverse_h: real) -> mat3:
     """The derivatives of `face_friction` by the velocity [1/m^2]."""
-    grip = wall_grip(face[DISTANCE], spacing, inverse_h)
-    return grip.x * ti.Matrix.identity(real, 3) + (grip.y - grip.x) * face.xyz.outer_product(face.xyz)
+    t, n = wall_coefficients(face[DISTANCE], spacing, inverse_h)
+    return t * ti.Matrix.identity(real, 3) + (n - t) * face.xyz.outer_product(face.xyz)
 
 
 @ti.func
@@ -95,7 +95,7 @@ def sample_friction(d: vec3, v: vec3, nearest: real, inverse_h: real) -> vec3:
 
 
 @dataclass(frozen=True)
-class Grip:
+class WallFriction:
     """How solids slow the fluid: viscosities [m^2/s] against solids and samples of sheets, and the distance over h
     nearer than which samples slow it no more. `strongest`: h^2 times the greatest rate at which one of them slows a
     particle [m^2/s]."""
@@ -106,10 +106,10 @@ class Grip:
     strongest: float
 
 
-NO_GRIP = Grip(0.0, 0.0, 1.0, 0.0)
+FREE_SLIP = WallFriction(0.0, 0.0, 1.0, 0.0)
 
 
-def find_grip(spec: Fluid) -> Grip:
+def find_wall_friction(spec: Fluid) -> WallFriction:
     """What the settings ask for; nothing with free slip.
 
     Samples are fewer and lie deeper than a half-space's volume. Their viscosity makes them slow a layer at rest along
@@ -118,7 +118,7 @@ def find_grip(spec: Fluid) -> Grip:
     spacing, h = spec.spacing, spec.support_radius
     rest = sample_depth(spacing, h) / h + 0.5 * spacing / h
     if spec.wall_slip == "free_slip":
-        return NO_GRIP
+        return FREE_SLIP
     r = rest + (np.arange(2000) + 0.5) * (1.0 - rest) / 2000
     # Integrals of the pair's force over a plane with one sample on each square of the spacing.
     weight = VISCOUS * np.pi * cubic_slope_host(r, 1.0) * r / (r * r + SOFTENING) * (1.0 - rest) / 2000
@@ -127,4 +127,4 @@ def find_grip(spec: Fluid) -> Grip:
     along, across = friction_host(np.array([0.5, NEAREST]) * spacing / h)
     factor = along[0] / pairs_along
     strongest = max(-across[1], -UNEVEN * factor * pairs_across)
-    return Grip(spec.viscosity, spec.viscosity * factor, rest, spec.viscosity * strongest)
+    return WallFriction(spec.viscosity, spec.viscosity * factor, rest, spec.viscosity * strongest)

@@ -13,10 +13,10 @@ import math
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3
+from sim.device.arrays import Vec4Array, mat3, real, vec3
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 MOST = 0.35
 """Of the differences at most this share is taken in a step: with thrice as much they could grow."""
@@ -44,8 +44,7 @@ class Hyperviscosity:
             particles.position,
             particles.velocity,
             particles.kept,
-            system.neighbors.size,
-            system.neighbors.index,
+            system.neighbors.lists,
         )
 
 
@@ -58,16 +57,15 @@ def _damp(
     position: Vec4Array,
     velocity: Vec4Array,
     rough: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
 ):
     inverse_h = 1.0 / h
     norm = volume * cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i].xyz
         first, second, slope, difference = vec3(0.0), mat3(0.0), mat3(0.0), vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
             d, dv = inverse_h * (x - position[j].xyz), v - velocity[j].xyz
             weight = cubic(d.norm())
             first += weight * d
@@ -80,7 +78,7 @@ def _damp(
     for i in range(count):
         x = position[i].xyz
         lost = vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
             lost += cubic((x - position[j].xyz).norm() * inverse_h) * (rough[i].xyz - rough[j].xyz)
         velocity[i].xyz -= share * norm * lost

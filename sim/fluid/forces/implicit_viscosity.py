@@ -10,6 +10,7 @@ which is made of pair forces alone, so that momentum and angular momentum are ke
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -18,27 +19,25 @@ from sim.device.arrays import (
     Declared,
     DoubleTable,
     IntArray,
-    IntTable,
-    RealArray,
     Vec4Array,
     numpy_real,
     real,
     vec3,
     vec4,
 )
-from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.boundary.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import COLUMNS, advance, redirect, search_curvature, search_velocity
 from sim.fluid.forces.friction import (
     face_friction,
     face_friction_block,
-    find_grip,
+    find_wall_friction,
 )
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic_norm, cubic_slope, slope_norm
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY, Resolution, Walls
 from sim.fluid.sums import BLOCKS, span
 from sim.fluid.system import FluidSystem, ViscousDrag
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 ROUNDING = 4 * float(np.finfo(numpy_real).eps)
 """Residuals below this share of the velocities are rounding."""
@@ -47,7 +46,7 @@ CHECK = 4
 """The residual is read back after every so many iterations."""
 
 ARRAYS = (
-    Declared("slowing", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
+    Declared("viscous_acceleration", "vec4", "acceleration by viscosity in the last step [m/s^2]", saved=False),
     Declared("viscous_search", "vec4", "direction of the search [m/s]; w: density [kg/m^3]", sorted=False, saved=False),
     Declared("residual", "vec4", "v* - (1 - dt K) v [m/s]", sorted=False, saved=False),
     Declared("image", "vec4", "(1 - dt K) times the direction of the search [m/s]", sorted=False, saved=False),
@@ -55,28 +54,40 @@ ARRAYS = (
     Declared("inverse_off", "vec4", "its xz and yz", sorted=False, saved=False),
 )
 
+Unknowns: Any = ti.types.argpack(
+    position=Vec4Array,
+    velocity=Vec4Array,
+    viscous_acceleration=Vec4Array,
+    viscous_search=Vec4Array,
+    residual=Vec4Array,
+    image=Vec4Array,
+    inverse=Vec4Array,
+    inverse_off=Vec4Array,
+)
+"""Particles, and the arrays declared in ARRAYS."""
+
 
 class Viscosity:
-    """Slows the particles of a system, whose arrays are those declared in ARRAYS; `slowing` is sorted with them, and
-    forgotten where a run may go on from a checkpoint."""
+    """Slows the particles of a system, whose arrays are those declared in ARRAYS; `viscous_acceleration` is sorted with
+    them, and forgotten where a run may go on from a checkpoint."""
 
     def __init__(self, system: FluidSystem):
         self.system = system
         self.settings = system.spec.implicit_viscosity
-        self.grip = find_grip(system.spec)
+        self.wall_friction = find_wall_friction(system.spec)
         self._sums = ti.ndarray(ti.f64, (BLOCKS + 1, 5))
         self._nowhere, self._nobody = ti.ndarray(ti.i32, 1), ti.ndarray(ti.f64, (1, COLUMNS))
         self._dragged: ViscousDrag | None = None
 
     def _drag(self) -> ViscousDrag | None:
         """The part of bodies that obey forces, if there are any that the fluid sticks to."""
-        if self._dragged is None and self.system.bodies and self.grip.walls > 0:
+        if self._dragged is None and self.system.bodies and self.wall_friction.walls > 0:
             self._dragged = self.system.bodies.viscous_drag()
         return self._dragged
 
     def apply(self, dt: float) -> dict[str, float]:
         """Replace the velocities by those after `dt` of friction; returns the statistics."""
-        system, particles = self.system, self.system.particles
+        system = self.system
         viscosity = dt * system.spec.viscosity
         drag = self._drag()
         self._begin(dt, viscosity)
@@ -93,68 +104,42 @@ class Viscosity:
                     self._iterate(WHOLE, viscosity)
                 iterations += 1
             solved = self._is_solved()
-        _finish(system.count, 1.0 / dt, solved, particles.velocity, particles.slowing, particles.residual)
+        _finish(system.count, 1.0 / dt, solved, system.particles.bundle(Unknowns))
         if drag:
             system.bodies.apply_viscosity(dt, drag.finish(solved=solved))
         return {"viscosity_iterations": iterations, "capped": not solved}
 
     def _is_solved(self) -> bool:
         """Whether the residual is small next to what viscosity changes, or no more than rounding."""
-        left, change, whole = (math.sqrt(max(value, 0.0)) for value in _told(self._sums))
+        left, change, whole = (math.sqrt(max(value, 0.0)) for value in _norms(self._sums))
         return left <= max(self.settings.error * change, ROUNDING * whole)
 
     def _begin(self, dt: float, viscosity: float) -> None:
         system = self.system
-        particles, boundary = system.particles, system.boundary
         _begin(
             system.count,
             0.0 if system.forgetful else dt,
-            system.h,
-            system.spec.spacing,
-            system.mass,
-            system.spec.rest_density,
             viscosity,
-            self.grip.walls > 0,
-            particles.position,
-            particles.velocity,
-            particles.slowing,
-            particles.viscous_search,
-            particles.residual,
-            particles.inverse,
-            particles.inverse_off,
-            system.neighbors.size,
-            system.neighbors.index,
-            *boundary.faces.lists,
-            boundary.faces.solid,
-            boundary.shapes.pose,
+            self.wall_friction.walls > 0,
+            system.resolution,
+            system.particles.bundle(Unknowns),
+            system.neighbors.lists,
+            system.boundary.faces.lists,
             self._sums,
         )
         system.forgetful = False
 
     def _iterate(self, part: int, viscosity: float) -> None:
         system, drag = self.system, self._dragged
-        particles, boundary = system.particles, system.boundary
         _iterate(
             part,
             system.count,
-            system.h,
-            system.spec.spacing,
-            system.mass,
-            system.spec.rest_density,
             viscosity,
-            self.grip.walls > 0,
-            particles.position,
-            particles.velocity,
-            particles.slowing,
-            particles.viscous_search,
-            particles.residual,
-            particles.image,
-            particles.inverse,
-            particles.inverse_off,
-            system.neighbors.size,
-            system.neighbors.index,
-            *boundary.faces.lists,
-            boundary.faces.solid,
+            self.wall_friction.walls > 0,
+            system.resolution,
+            system.particles.bundle(Unknowns),
+            system.neighbors.lists,
+            system.boundary.faces.lists,
             drag.body_of if drag else self._nowhere,
             self._sums,
             drag.table if drag else self._nobody,
@@ -175,81 +160,64 @@ def _solve(inverse: vec4, off: vec4, r: vec3) -> vec3:
 def _begin(
     count: ti.i32,
     remembered: real,
-    h: real,
-    spacing: real,
-    mass: real,
-    rest_density: real,
     viscosity: real,
     has_grip: ti.template(),
-    position: Vec4Array,
-    velocity: Vec4Array,
-    slowing: Vec4Array,
-    search: Vec4Array,
-    residual: Vec4Array,
-    inverse: Vec4Array,
-    inverse_off: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    solid: IntArray,
-    pose: DoubleTable,
+    fluid: Resolution,
+    p: Unknowns,
+    near: Neighbors,
+    walls: Walls,
     sums: DoubleTable,
 ):
-    """First guess as velocity, v* in slowing, preconditioner, residual and direction.
+    """First guess as velocity, v* in viscous_acceleration, preconditioner, residual and direction.
 
-    remembered: the step [s] over which the last slowing is taken as guess, or zero. viscosity: times the
+    remembered: the step [s] over which the last viscous acceleration is taken as guess, or zero. viscosity: times the
     step [m^2]. The sums are r.z, a factor of the iteration, and the squares of r, of v - v* and of v*.
     """
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     slope_strength = norm * inverse_h * inverse_h
-    softening = SOFTENING * h * h
+    softening = SOFTENING * fluid.h * fluid.h
     for i in range(count):
-        guess = velocity[i].xyz
+        guess = p.velocity[i].xyz
         if remembered > 0.0:
-            guess += remembered * slowing[i].xyz
-        search[i] = vec4(guess, velocity[i][DENSITY])
+            guess += remembered * p.viscous_acceleration[i].xyz
+        p.viscous_search[i] = vec4(guess, p.velocity[i][DENSITY])
     for i in range(count):
-        x, v = position[i].xyz, search[i]
+        x, v = p.position[i].xyz, p.viscous_search[i]
         block = ti.Matrix.identity(real, 3)
         pull = vec3(0.0)
-        for k in range(padded(size[i])):
-            vj = search[index[i, k]]
-            d = x - position[index[i, k]].xyz
+        for k in range(padded(near.size[i])):
+            vj = p.viscous_search[near.index[i, k]]
+            d = x - p.position[near.index[i, k]].xyz
             r2 = d.dot(d)
-            strength = mass * slope_strength * viscous(2.0, viscosity) / (v[DENSITY] + vj[DENSITY])
+            strength = fluid.mass * slope_strength * viscous(2.0, viscosity) / (v[DENSITY] + vj[DENSITY])
             strength *= cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening)
             block -= strength * d.outer_product(d)
             pull += strength * (v.xyz - vj.xyz).dot(d) * d
         if ti.static(has_grip):
-            heavy = rest_density / v[DENSITY]
-            for e in range(begin[i], begin[i] + solids_near[i]):
-                one = face_weight[e] * heavy * viscosity * face_friction_block(face[e], spacing, inverse_h)
+            heavy = fluid.rest_density / v[DENSITY]
+            for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                one = walls.weight[e] * heavy * viscosity * face_friction_block(walls.face[e], fluid.spacing, inverse_h)
                 block -= one
-                pull += one @ (v.xyz - surface_velocity(solid[e], x, pose))
+                pull += one @ (v.xyz - surface_velocity(walls.solid[e], x, walls.pose))
         mended = block.inverse()
-        inverse[i] = vec4(mended[0, 0], mended[1, 1], mended[2, 2], mended[0, 1])
-        inverse_off[i] = vec4(mended[0, 2], mended[1, 2], 0.0, 0.0)
-        residual[i].xyz = velocity[i].xyz - v.xyz + pull
+        p.inverse[i] = vec4(mended[0, 0], mended[1, 1], mended[2, 2], mended[0, 1])
+        p.inverse_off[i] = vec4(mended[0, 2], mended[1, 2], 0.0, 0.0)
+        p.residual[i].xyz = p.velocity[i].xyz - v.xyz + pull
     for part in range(BLOCKS):
         across, left = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         change, whole = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         within = span(part, BLOCKS, count)
         for i in range(within[0], within[1]):
-            before, guess, r = velocity[i].xyz, search[i].xyz, residual[i].xyz
-            z = _solve(inverse[i], inverse_off[i], r)
+            before, guess, r = p.velocity[i].xyz, p.viscous_search[i].xyz, p.residual[i].xyz
+            z = _solve(p.inverse[i], p.inverse_off[i], r)
             across += r.dot(z)
             left += r.dot(r)
             change += (guess - before).dot(guess - before)
             whole += before.dot(before)
-            slowing[i].xyz = before
-            velocity[i].xyz = guess
-            search[i].xyz = z
+            p.viscous_acceleration[i].xyz = before
+            p.velocity[i].xyz = guess
+            p.viscous_search[i].xyz = z
         sums[part, 0] = across
         sums[part, 2] = left
         sums[part, 3] = change
@@ -266,29 +234,12 @@ def _begin(
 def _iterate(
     part: ti.template(),
     count: ti.i32,
-    h: real,
-    spacing: real,
-    mass: real,
-    rest_density: real,
     viscosity: real,
     has_grip: ti.template(),
-    position: Vec4Array,
-    velocity: Vec4Array,
-    slowing: Vec4Array,
-    search: Vec4Array,
-    residual: Vec4Array,
-    image: Vec4Array,
-    inverse: Vec4Array,
-    inverse_off: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    solid: IntArray,
+    fluid: Resolution,
+    p: Unknowns,
+    near: Neighbors,
+    walls: Walls,
     body_of: IntArray,
     sums: DoubleTable,
     bodies: DoubleTable,
@@ -297,36 +248,37 @@ def _iterate(
 
     Where bodies have a part in it, those before and after the images of their searches are two calls.
     """
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     slope_strength = slope_norm(inverse_h)
-    softening = SOFTENING * h * h
+    softening = SOFTENING * fluid.h * fluid.h
     if ti.static(part != DESCEND):
         for i in range(count):
-            x, p = position[i].xyz, search[i]
+            x, s = p.position[i].xyz, p.viscous_search[i]
             pull = vec3(0.0)
-            for k in range(padded(size[i])):
-                j = index[i, k]
-                pj = search[j]
-                d = x - position[j].xyz
+            for k in range(padded(near.size[i])):
+                j = near.index[i, k]
+                sj = p.viscous_search[j]
+                d = x - p.position[j].xyz
                 r2 = d.dot(d)
-                strength = viscous(2.0 * (p.xyz - pj.xyz).dot(d), viscosity) / (p[DENSITY] + pj[DENSITY])
+                strength = viscous(2.0 * (s.xyz - sj.xyz).dot(d), viscosity) / (s[DENSITY] + sj[DENSITY])
                 pull += strength * cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening) * d
-            pull *= mass * slope_strength
+            pull *= fluid.mass * slope_strength
             if ti.static(has_grip):
-                heavy = rest_density / p[DENSITY]
-                for e in range(begin[i], begin[i] + solids_near[i]):
-                    moved = p.xyz
+                heavy = fluid.rest_density / s[DENSITY]
+                for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                    moved = s.xyz
                     if ti.static(part == PUSH):
-                        body = body_of[solid[e]]
+                        body = body_of[walls.solid[e]]
                         if body >= 0:
                             moved -= search_velocity(bodies, body, x)
-                    pull += face_weight[e] * heavy * viscosity * face_friction(face[e], moved, spacing, inverse_h)
-            image[i].xyz = p.xyz - pull
+                    friction = face_friction(walls.face[e], moved, fluid.spacing, inverse_h)
+                    pull += walls.weight[e] * heavy * viscosity * friction
+            p.image[i].xyz = s.xyz - pull
         for block in range(BLOCKS):
             bend = ti.cast(0.0, ti.f64)
             within = span(block, BLOCKS, count)
             for i in range(within[0], within[1]):
-                bend += search[i].xyz.dot(image[i].xyz)
+                bend += p.viscous_search[i].xyz.dot(p.image[i].xyz)
             sums[block, 1] = bend
     if ti.static(part != PUSH):
         ti.loop_config(serialize=True)
@@ -342,13 +294,13 @@ def _iterate(
             across, left, change = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
             within = span(block, BLOCKS, count)
             for i in range(within[0], within[1]):
-                v = velocity[i].xyz + length * search[i].xyz
-                r = residual[i].xyz - length * image[i].xyz
-                velocity[i].xyz = v
-                residual[i].xyz = r
-                across += r.dot(_solve(inverse[i], inverse_off[i], r))
+                v = p.velocity[i].xyz + length * p.viscous_search[i].xyz
+                r = p.residual[i].xyz - length * p.image[i].xyz
+                p.velocity[i].xyz = v
+                p.residual[i].xyz = r
+                across += r.dot(_solve(p.inverse[i], p.inverse_off[i], r))
                 left += r.dot(r)
-                change += (v - slowing[i].xyz).dot(v - slowing[i].xyz)
+                change += (v - p.viscous_acceleration[i].xyz).dot(v - p.viscous_acceleration[i].xyz)
             sums[block, 0] = across
             sums[block, 2] = left
             sums[block, 3] = change
@@ -370,24 +322,22 @@ def _iterate(
             sums[BLOCKS, 2] = left
             sums[BLOCKS, 3] = change
         for i in range(count):
-            turned = ti.cast(sums[BLOCKS, 1], real) * search[i].xyz
-            search[i].xyz = _solve(inverse[i], inverse_off[i], residual[i].xyz) + turned
+            turned = ti.cast(sums[BLOCKS, 1], real) * p.viscous_search[i].xyz
+            p.viscous_search[i].xyz = _solve(p.inverse[i], p.inverse_off[i], p.residual[i].xyz) + turned
 
 
 @ti.kernel
-def _told(sums: DoubleTable) -> ti.types.vector(3, ti.f64):
+def _norms(sums: DoubleTable) -> ti.types.vector(3, ti.f64):
     """Squares of the residual, of what viscosity changes, and of the velocities before."""
     return ti.Vector([sums[BLOCKS, 2], sums[BLOCKS, 3], sums[BLOCKS, 4]])
 
 
 @ti.kernel
-def _finish(
-    count: ti.i32, per_step: real, solved: ti.i32, velocity: Vec4Array, slowing: Vec4Array, residual: Vec4Array
-):
+def _finish(count: ti.i32, per_step: real, solved: ti.i32, p: Unknowns):
     """Add the residual, where it is small, and keep what viscosity has changed."""
     for i in range(count):
-        v = velocity[i].xyz
+        v = p.velocity[i].xyz
         if solved != 0:
-            v += residual[i].xyz
-        velocity[i].xyz = v
-        slowing[i].xyz = per_step * (v - slowing[i].xyz)
+            v += p.residual[i].xyz
+        p.velocity[i].xyz = v
+        p.viscous_acceleration[i].xyz = per_step * (v - p.viscous_acceleration[i].xyz)

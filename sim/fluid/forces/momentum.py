@@ -7,19 +7,44 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 (`sim.fluid.forces.friction`).
 """
 
+from typing import Any
+
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.arrays import Vec4Array, real, vec3
 from sim.fluid.boundary.half_space import along_faces, face_damping
-from sim.fluid.boundary.look import surface_velocity
-from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_friction
+from sim.fluid.boundary.pose import surface_velocity
+from sim.fluid.forces.friction import FREE_SLIP, face_friction, find_wall_friction, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope
-from sim.fluid.packed import DENSITY, DISTANCE, VOLUME, Q
+from sim.fluid.layout import DENSITY, DISTANCE, VOLUME, Q, Resolution, Samples, Walls
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
+
+PRESSURE, FRICTION, VISCOSITY, WALL_FRICTION, ARTIFICIAL, DAMPING, COHESION, ADHESION, SAMPLES, SOLIDS = (
+    1 << bit for bit in range(10)
+)
+"""Bits of the terms to compile: FRICTION is viscosity that a solver has found already, WALL_FRICTION and DAMPING are
+viscosity and artificial viscosity between particles and solids."""
+BY_SOLIDS = PRESSURE | WALL_FRICTION | DAMPING | ADHESION
+"""Those whose opposite couplings apply to solids."""
+
+Coefficients: Any = ti.types.argpack(
+    gravity=vec3,
+    viscosity=real,
+    sample_viscosity=real,
+    nearest_sample=real,
+    artificial=real,
+    damping=real,
+    cohesion=real,
+)
+"""Of the terms in SI units, as `Momentum` has them."""
+
+Accelerated: Any = ti.types.argpack(
+    position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array, pressure_acceleration=Vec4Array
+)
 
 
 class Momentum:
@@ -48,7 +73,7 @@ class Momentum:
         self.viscosity = 0.0 if system.implicit_viscosity else spec.viscosity
         self.friction_known = friction_known and self.viscosity > 0
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
-        self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
+        self.wall_friction = find_wall_friction(spec) if self.viscosity > 0 and solids else FREE_SLIP
         self.cohesion, self._added = 0.0, load_forces(system)
         self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
         """`sim.fluid.forces.adhesion`, where there is any."""
@@ -57,12 +82,33 @@ class Momentum:
                 spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
             )
 
+        self.coefficients = Coefficients(
+            vec3(*system.gravity),
+            self.viscosity,
+            self.wall_friction.samples,
+            self.wall_friction.nearest,
+            artificial,
+            damping,
+            self.cohesion,
+        )
+        asked = {
+            PRESSURE: pressure,
+            FRICTION: self.friction_known,
+            VISCOSITY: self.viscosity > 0 and not self.friction_known,
+            WALL_FRICTION: self.wall_friction.walls > 0,
+            ARTIFICIAL: artificial > 0,
+            DAMPING: damping > 0,
+            COHESION: self.cohesion > 0,
+            ADHESION: self.adhesion is not None,
+        }
+        self.terms = sum(term for term, wanted in asked.items() if wanted)
+
     def step_limits(self) -> dict[str, float]:
         """Largest stable time steps [s] that do not depend on the particles' motion."""
         explicit = self.viscosity + 0.1 * self.artificial
         half, spec, bodies = 0.5 * self.system.h, self.system.spec, self.system.bodies
         # What slows a particle against a body speeds up the body, the more the lighter it is.
-        strongest = self.grip.strongest * (1.0 + bodies.layer_mass_ratio if bodies else 1.0)
+        strongest = self.wall_friction.strongest * (1.0 + bodies.layer_mass_ratio if bodies else 1.0)
         return {
             "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": tension_limit(half, spec),
@@ -70,150 +116,137 @@ class Momentum:
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
-        system = self.system
-        spec, particles, boundary = system.spec, system.particles, system.boundary
+        system, boundary = self.system, self.system.boundary
+        present = (SAMPLES if boundary.sampled > 0 else 0) | (SOLIDS if boundary.shapes.count > 0 else 0)
         _accelerate(
+            self.terms | present,
             system.count,
-            system.h,
-            spec.spacing,
-            system.mass,
-            spec.rest_density,
-            vec3(*system.gravity),
-            particles.position,
-            particles.velocity,
-            particles.acceleration,
-            *system.lists,
-            boundary.velocity,
-            boundary.shapes.count > 0,
-            boundary.faces.share,
-            *boundary.faces.lists,
-            boundary.faces.solid,
-            boundary.shapes.pose,
-            self.pressure,
-            self.friction_known,
-            particles.pressure_acceleration if self.friction_known else particles.acceleration,
-            self.viscosity > 0 and not self.friction_known,
-            self.viscosity,
-            self.grip.walls > 0,
-            self.grip.samples,
-            self.grip.nearest,
-            self.artificial > 0,
-            self.artificial,
-            self.damping > 0,
-            self.damping,
-            self.cohesion > 0,
-            self.cohesion,
+            system.resolution,
+            self.coefficients,
+            system.particles.bundle(Accelerated)
+            if self.friction_known
+            else system.particles.bundle(Accelerated, pressure_acceleration="acceleration"),
+            system.neighbors.lists,
+            boundary.near_samples,
+            boundary.faces.lists,
         )
         for force in self._added:
             force.accelerate()
 
 
+@ti.func
+def slowed_by_face(
+    a: vec3,
+    e: ti.i32,
+    relative: vec3,
+    density: real,
+    terms: ti.template(),
+    viscosity: real,
+    coefficients: ti.template(),
+    fluid: ti.template(),
+    walls: ti.template(),
+    inverse_h: real,
+) -> vec3:
+    """Acceleration `a` [m/s^2] of a particle of this density [kg/m^3], with DAMPING and WALL_FRICTION of half-space e,
+    which it passes at the `relative` velocity [m/s]."""
+    changed, one = a, walls.face[e]
+    share = walls.weight[e] * fluid.rest_density / density
+    if ti.static(terms & DAMPING):
+        closing = one.xyz.dot(relative)
+        changed += share * face_damping(one[DISTANCE], closing, walls.fit, inverse_h, coefficients.damping) * one.xyz
+    if ti.static(terms & WALL_FRICTION):
+        changed += share * viscosity * face_friction(one, relative, walls.spacing, inverse_h)
+    return changed
+
+
+@ti.func
+def slowed_by_sample(
+    a: vec3,
+    d: vec3,
+    relative: vec3,
+    density: real,
+    strength: real,
+    terms: ti.template(),
+    coefficients: ti.template(),
+    fluid: ti.template(),
+    inverse_h: real,
+) -> vec3:
+    """The same for a sample of a sheet, to a particle of this density [kg/m^3] at `d` [m] from it; strength: rest
+    density times the sample's volume and the norm of the kernel's slope [kg/m^5]."""
+    changed = a
+    if ti.static(terms & DAMPING):
+        r2 = d.dot(d)
+        slope = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
+        softening = SOFTENING * fluid.h * fluid.h
+        changed += artificial(relative.dot(d), coefficients.damping) / (density * (r2 + softening)) * slope
+    if ti.static(terms & WALL_FRICTION):
+        friction = sample_friction(d, relative, coefficients.nearest_sample, inverse_h)
+        changed += strength / density * (coefficients.sample_viscosity * friction)
+    return changed
+
+
 @ti.kernel
 def _accelerate(
+    terms: ti.template(),
     count: ti.i32,
-    h: real,
-    spacing: real,
-    mass: real,
-    rest_density: real,
-    gravity: vec3,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    acceleration: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    sample_velocity: Vec4Array,
-    has_solids: ti.template(),
-    solids: Vec4Array,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    solid: IntArray,
-    pose: DoubleTable,
-    has_pressure: ti.template(),
-    has_friction: ti.template(),
-    friction: Vec4Array,
-    has_viscosity: ti.template(),
-    viscosity: real,
-    has_grip: ti.template(),
-    sample_viscosity: real,
-    nearest_sample: real,
-    has_artificial: ti.template(),
-    artificial_strength: real,
-    has_damping: ti.template(),
-    damping_strength: real,
-    has_cohesion: ti.template(),
-    cohesion: real,
+    fluid: Resolution,
+    coefficients: Coefficients,
+    p: Accelerated,
+    near: Neighbors,
+    samples: Samples,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
-    softening = SOFTENING * h * h
-    closest = spacing * inverse_h
+    softening = SOFTENING * fluid.h * fluid.h
+    closest = fluid.spacing * inverse_h
     for i in range(count):
-        x, v = position[i], velocity[i]
+        x, v = p.position[i], p.velocity[i]
         push, rub, pull = vec3(0.0), vec3(0.0), vec3(0.0)
-        if ti.static(has_pressure or has_viscosity or has_artificial or has_cohesion):
-            for k in range(padded(size[i])):
-                j = index[i, k]
-                xj = position[j]
+        if ti.static(terms & (PRESSURE | VISCOSITY | ARTIFICIAL | COHESION)):
+            for k in range(padded(near.size[i])):
+                j = near.index[i, k]
+                xj = p.position[j]
                 d = x.xyz - xj.xyz
                 r2 = d.dot(d)
                 q = ti.sqrt(r2) * inverse_h
                 slope = cubic_slope(q)
-                if ti.static(has_pressure):
+                if ti.static(terms & PRESSURE):
                     push -= (x[Q] + xj[Q]) * slope * d  # Monaghan 1992, eq. 3.3
-                if ti.static(has_viscosity or has_artificial):
-                    vj = velocity[j]
+                if ti.static(terms & (VISCOSITY | ARTIFICIAL)):
+                    vj = p.velocity[j]
                     approach = (v.xyz - vj.xyz).dot(d)
                     strength = ti.cast(0.0, real)
-                    if ti.static(has_viscosity):
-                        strength += viscous(approach, viscosity)
-                    if ti.static(has_artificial):
-                        strength += artificial(approach, artificial_strength)
+                    if ti.static(terms & VISCOSITY):
+                        strength += viscous(approach, coefficients.viscosity)
+                    if ti.static(terms & ARTIFICIAL):
+                        strength += artificial(approach, coefficients.artificial)
                     rub += 2.0 * strength / ((v[DENSITY] + vj[DENSITY]) * (r2 + softening)) * slope * d
-                if ti.static(has_cohesion):
+                if ti.static(terms & COHESION):
                     pull -= cubic(ti.max(q, closest)) * d
-        push *= mass * slope_norm
-        a = mass * slope_norm * rub + cohesion * norm * pull
-        if ti.static(has_friction):
-            a += friction[i].xyz
-        if ti.static(has_samples and (has_pressure or has_grip or has_damping)):
-            for k in range(sample_size[i]):
-                b = samples[sample_index[i, k]]
+        push *= fluid.mass * slope_norm
+        a = fluid.mass * slope_norm * rub + coefficients.cohesion * norm * pull
+        if ti.static(terms & FRICTION):
+            a += p.pressure_acceleration[i].xyz
+        if ti.static(terms & SAMPLES and terms & (PRESSURE | WALL_FRICTION | DAMPING)):
+            for k in range(samples.size[i]):
+                b = samples.sample[samples.index[i, k]]
                 d = x.xyz - b.xyz
-                r2 = d.dot(d)
-                relative = v.xyz - sample_velocity[sample_index[i, k]].xyz
-                strength = rest_density * slope_norm * b[VOLUME]
-                gradient = strength * cubic_slope(ti.sqrt(r2) * inverse_h) * d
-                if ti.static(has_pressure):
-                    push -= x[Q] * gradient  # Akinci et al. 2012, eq. 9
-                if ti.static(has_damping):
-                    a += artificial(relative.dot(d), damping_strength) / (v[DENSITY] * (r2 + softening)) * gradient
-                if ti.static(has_grip):
-                    grip = sample_viscosity * sample_friction(d, relative, nearest_sample, inverse_h)
-                    a += strength / v[DENSITY] * grip
-        if ti.static(has_pressure):
-            if ti.static(has_solids):
-                push -= x[Q] * rest_density * solids[i].xyz
-                push = along_faces(i, push, begin, solids_near, face, held, fit, inverse_h)
+                relative = v.xyz - samples.velocity[samples.index[i, k]].xyz
+                strength = fluid.rest_density * slope_norm * b[VOLUME]
+                if ti.static(terms & PRESSURE):
+                    push -= x[Q] * (strength * cubic_slope(d.norm() * inverse_h) * d)  # Akinci et al. 2012, eq. 9
+                a = slowed_by_sample(a, d, relative, v[DENSITY], strength, terms, coefficients, fluid, inverse_h)
+        if ti.static(terms & PRESSURE):
+            if ti.static(terms & SOLIDS):
+                push -= x[Q] * fluid.rest_density * walls.share[i].xyz
+                push = along_faces(i, push, walls, inverse_h)
             a += push
-        if ti.static(has_solids and (has_damping or has_grip)):
-            for e in range(begin[i], begin[i] + solids_near[i]):
-                one, heavy = face[e], face_weight[e] * rest_density / v[DENSITY]
-                relative = v.xyz - surface_velocity(solid[e], x.xyz, pose)
-                if ti.static(has_damping):
-                    a += (
-                        heavy
-                        * face_damping(one[DISTANCE], one.xyz.dot(relative), fit, inverse_h, damping_strength)
-                        * one.xyz
-                    )
-                if ti.static(has_grip):
-                    a += heavy * viscosity * face_friction(one, relative, spacing, inverse_h)
-        acceleration[i].xyz = a + gravity
+        if ti.static(terms & SOLIDS and terms & (DAMPING | WALL_FRICTION)):
+            for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+                relative = v.xyz - surface_velocity(walls.solid[e], x.xyz, walls.pose)
+                a = slowed_by_face(
+                    a, e, relative, v[DENSITY], terms, coefficients.viscosity, coefficients, fluid, walls, inverse_h
+                )
+        p.acceleration[i].xyz = a + coefficients.gravity

@@ -1,14 +1,18 @@
 """Pairwise forces that every pressure solver shares, written for one pair."""
 
 import math
+from typing import Any
 
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import IntArray, IntTable, Vec4Array, mat3, real, vec3, vec4
+from sim.device.arrays import Vec4Array, mat3, real, vec3, vec4
 from sim.fluid.kernel import cubic_host, cubic_slope, cubic_slope_host
-from sim.fluid.packed import Q
+from sim.fluid.layout import Q
 from sim.neighbors.spatial_hash import padded
+
+Lens: Any = ti.types.argpack(correction=Vec4Array, skew=Vec4Array)
+"""Symmetric matrices L of particles: xx, yy, zz, and xy, xz, yz (`sim.fluid.pressure.gradient_correction`)."""
 
 SOFTENING = 0.01
 """Added to the square of a pair's distance over h, so that pairs that meet are not torn apart."""
@@ -25,12 +29,12 @@ VISCOUS = _viscous_factor()
 
 
 @ti.func
-def pressure_sum(i: ti.i32, position: Vec4Array, size: IntArray, index: IntTable, inverse_h: real) -> vec3:
+def pressure_sum(i: ti.i32, position: Vec4Array, near: ti.template(), inverse_h: real) -> vec3:
     """-sum_j (q_i + q_j) grad W_ij over the kernel's norm and its h^2, with q = p / rho^2 in position.w."""
     x = position[i]
     a = vec3(0.0)
-    for k in range(padded(size[i])):
-        xj = position[index[i, k]]
+    for k in range(padded(near.size[i])):
+        xj = position[near.index[i, k]]
         d = x.xyz - xj.xyz
         a -= (x[Q] + xj[Q]) * cubic_slope(d.norm() * inverse_h) * d  # Monaghan 1992, eq. 3.3
     return a
@@ -49,25 +53,23 @@ def pair_pressures(
     i: ti.i32,
     position: Vec4Array,
     corrected: ti.template(),
-    correction: Vec4Array,
-    skew: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    lens: ti.template(),
+    near: ti.template(),
     inverse_h: real,
 ) -> vec3:
     """-sum_j (q_i L_i + q_j L_j) grad W_ij over the kernel's norm and its h^2, with q in position.w; where it is not
-    `corrected`, L is the unit matrix, and both arrays are not read."""
+    `corrected`, L is the unit matrix, and `lens` is not read."""
     a = vec3(0.0)
     if ti.static(corrected):
         x = position[i]
-        mine = x[Q] * matrix(correction[i], skew[i])
-        for k in range(padded(size[i])):
-            j = index[i, k]
+        mine = x[Q] * matrix(lens.correction[i], lens.skew[i])
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
             xj = position[j]
             d = x.xyz - xj.xyz
-            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj[Q] * matrix(correction[j], skew[j])) @ d)
+            a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj[Q] * matrix(lens.correction[j], lens.skew[j])) @ d)
     else:
-        a = pressure_sum(i, position, size, index, inverse_h)
+        a = pressure_sum(i, position, near, inverse_h)
     return a
 
 

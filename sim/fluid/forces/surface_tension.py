@@ -12,12 +12,12 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.device.arrays import Declared, Vec4Array, real, vec3, vec4
 from sim.fluid.forces.force import Force
 from sim.fluid.kernel import cubic_slope, slope_norm
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY, Resolution
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 BALANCE = 25.0
 """c m / h^3. With 125, the paper's for water at h = 2 d in SI units, cohesion presses the particles together with many
@@ -56,16 +56,13 @@ class SurfaceTension(Force):
         particles = system.particles
         _accelerate(
             system.count,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             self.strength,
             particles.position,
             particles.velocity,
             particles.acceleration,
             particles.normal,
-            system.neighbors.size,
-            system.neighbors.index,
+            system.neighbors.lists,
         )
 
 
@@ -80,35 +77,33 @@ def cohesion(q: real) -> real:
 @ti.kernel
 def _accelerate(
     count: ti.i32,
-    h: real,
-    mass: real,
-    rest_density: real,
+    fluid: Resolution,
     strength: real,
     position: Vec4Array,
     velocity: Vec4Array,
     acceleration: Vec4Array,
     normal: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
 ):
+    h = fluid.h
     inverse_h = 1.0 / h
     slope_strength = slope_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz
         n = vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
             d = x - position[j].xyz
             n += cubic_slope(d.norm() * inverse_h) / velocity[j][DENSITY] * d
-        normal[i] = vec4(h * mass * slope_strength * n, velocity[i][DENSITY])  # Akinci et al. 2013a, eq. 3
+        normal[i] = vec4(h * fluid.mass * slope_strength * n, velocity[i][DENSITY])  # Akinci et al. 2013a, eq. 3
     for i in range(count):
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)
-        for k in range(padded(size[i])):
-            nj = normal[index[i, k]]
-            d = x - position[index[i, k]].xyz
+        for k in range(padded(near.size[i])):
+            nj = normal[near.index[i, k]]
+            d = x - position[near.index[i, k]].xyz
             r = ti.max(d.norm(), 1e-6 * h)
             pull = BALANCE * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
             # Lists may hold pairs that are further apart.
-            a -= ti.select(r < h, 2.0 * rest_density / (n[DENSITY] + nj[DENSITY]), 0.0) * pull
+            a -= ti.select(r < h, 2.0 * fluid.rest_density / (n[DENSITY] + nj[DENSITY]), 0.0) * pull
         acceleration[i].xyz += strength * a

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from sim.device.arrays import Declared
-from sim.fluid.forces.friction import find_grip
+from sim.fluid.forces.friction import find_wall_friction
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import force_limit, viscosity_limit
@@ -23,13 +23,13 @@ def viscosity_is_implicit(fluid: Fluid, gravity: np.ndarray, signal: float) -> b
     if fluid.viscosity == 0 or fluid.viscosity_solver == "explicit":
         return False
     half = 0.5 * fluid.support_radius
-    explicit = viscosity_limit(half, fluid.viscosity, find_grip(fluid).strongest)
+    explicit = viscosity_limit(half, fluid.viscosity, find_wall_friction(fluid).strongest)
     others = force_limit(half, float(np.linalg.norm(gravity))), SHARE * half / signal if signal > 0 else math.inf
     return fluid.viscosity_solver == "implicit" or bool(explicit < min(others))
 
 
-def mixing_arrays(fluid: Fluid, implicit: bool) -> tuple[Declared, ...]:
-    """The arrays of particles that `Mixing` needs."""
+def smoothing_arrays(fluid: Fluid, implicit: bool) -> tuple[Declared, ...]:
+    """The arrays of particles that `VelocitySmoothing` needs."""
     arrays: tuple[Declared, ...] = ()
     if implicit:
         from sim.fluid.forces import implicit_viscosity
@@ -42,7 +42,7 @@ def mixing_arrays(fluid: Fluid, implicit: bool) -> tuple[Declared, ...]:
     return arrays
 
 
-class Mixing:
+class VelocitySmoothing:
     """The steps that a system's settings ask for."""
 
     def __init__(self, system: FluidSystem):
@@ -56,7 +56,7 @@ class Mixing:
 
             self._xsph = Xsph(system)
 
-    def mix(self, dt: float) -> dict[str, float]:
+    def smooth(self, dt: float) -> dict[str, float]:
         """Even out velocities over a step dt [s]; positions, densities and neighbours are given. Returns statistics."""
         stats = self._viscosity.apply(dt) if self._viscosity else {"capped": False}
         if self._xsph:

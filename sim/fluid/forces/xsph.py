@@ -6,11 +6,11 @@ m^2/s: it acts once a step, however long that is.
 
 import taichi as ti
 
-from sim.device.arrays import Declared, IntArray, IntTable, Vec4Array, real, vec3
+from sim.device.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.kernel import cubic, cubic_norm
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 ARRAYS = (Declared("mixed", "vec4", "velocity after it [m/s]", sorted=False, saved=False),)
 
@@ -31,8 +31,7 @@ class Xsph:
             system.particles.position,
             system.particles.velocity,
             system.particles.mixed,
-            system.neighbors.size,
-            system.neighbors.index,
+            system.neighbors.lists,
         )
 
 
@@ -44,16 +43,15 @@ def _mix(
     position: Vec4Array,
     velocity: Vec4Array,
     mixed: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
 ):
     inverse_h = 1.0 / h
     norm = cubic_norm(inverse_h)
     for i in range(count):
         x, v = position[i].xyz, velocity[i]
         change = vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
             vj = velocity[j]
             change += (
                 2.0 * cubic((x - position[j].xyz).norm() * inverse_h) / (v[DENSITY] + vj[DENSITY]) * (vj.xyz - v.xyz)

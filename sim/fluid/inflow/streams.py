@@ -6,6 +6,7 @@ Where an emitter has been moved or removed, what is no longer in its nozzle is f
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import taichi as ti
@@ -13,7 +14,7 @@ import taichi as ti
 from sim.device.arrays import IntArray, IntTable, Vec2iArray, Vec4Array, numpy_real, real, vec3, vec4
 from sim.fluid.inflow.emitters import Outlet
 from sim.fluid.kernel import cubic
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY
 from sim.fluid.system import FluidSystem
 
 FREE = -1
@@ -29,6 +30,10 @@ SCALE = 1 << 16
 TIGHT = 1.05
 """A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
 cannot give way."""
+
+Nozzles: Any = ti.types.argpack(mouth=Vec4Array, stream=Vec4Array, across=Vec4Array, along=Vec4Array)
+"""Centre of the outlet and length of the nozzle [m]; velocity and speed [m/s]; both directions across, and how far
+particles are there [m]."""
 
 
 class Streams:
@@ -48,9 +53,8 @@ class Streams:
                 [*outlet.axes[0], half[0]],
                 [*outlet.axes[2], half[1]],
             ]
-        self._tables = [ti.ndarray(vec4, size) for _ in tables]
-        """Centre, nozzle [m]; velocity, speed [m/s]; both directions across, and how far particles are there [m]."""
-        for array, values in zip(self._tables, tables, strict=True):
+        self._nozzles = Nozzles(*(ti.ndarray(vec4, size) for _ in tables))
+        for (_, array), values in zip(self._nozzles.items, tables, strict=True):
             array.from_numpy(values.astype(numpy_real))
         self._slots, self._shares = {}, {}
         for number, outlet in outlets.items():
@@ -68,7 +72,7 @@ class Streams:
             vec3(*system.gravity),
             system.h,
             TIGHT * system.spec.rest_density,
-            *self._tables,
+            self._nozzles,
             particles.position,
             particles.velocity,
             particles.acceleration,
@@ -101,10 +105,7 @@ def _lead(
     gravity: vec3,
     h: real,
     tight_density: real,
-    mouth: Vec4Array,
-    stream: Vec4Array,
-    across: Vec4Array,
-    along: Vec4Array,
+    nozzles: Nozzles,
     position: Vec4Array,
     velocity: Vec4Array,
     acceleration: Vec4Array,
@@ -116,17 +117,18 @@ def _lead(
     for i in range(count):
         if velocity[i][DENSITY] > tight_density:
             for number in range(pressed.shape[0]):
-                if near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h):
+                if near_nozzle(position[i].xyz, number, nozzles, h):
                     pressed[number] = 1
     for i in range(count):
         number = LED - tag[i].y
         if number >= 0:
             led = ti.cast(False, ti.u1)
             if number < pressed.shape[0] and pressed[number] == 0:
-                led = near_nozzle(position[i].xyz, mouth[number], stream[number], across[number], along[number], h / 2)
+                led = near_nozzle(position[i].xyz, number, nozzles, h / 2)
             if led:
-                v, speed = stream[number].xyz, stream[number].w
-                beyond = (position[i].xyz - mouth[number].xyz).dot(v) / speed - mouth[number].w
+                v, speed = nozzles.stream[number].xyz, nozzles.stream[number].w
+                mouth = nozzles.mouth[number]
+                beyond = (position[i].xyz - mouth.xyz).dot(v) / speed - mouth.w
                 velocity[i].xyz = v
                 if beyond < 0:
                     acceleration[i].xyz = vec3(0.0)
@@ -138,8 +140,10 @@ def _lead(
 
 
 @ti.func
-def near_nozzle(x: vec3, mouth: vec4, stream: vec4, across: vec4, along: vec4, margin: real) -> ti.u1:
-    """Whether x lies in the box of a nozzle, or no further than `margin` beside it."""
+def near_nozzle(x: vec3, number: ti.i32, nozzles: ti.template(), margin: real) -> ti.u1:
+    """Whether x lies in the box of a nozzle, or no further than `margin` [m] beside it."""
+    mouth, stream = nozzles.mouth[number], nozzles.stream[number]
+    across, along = nozzles.across[number], nozzles.along[number]
     d = x - mouth.xyz
     ahead = d.dot(stream.xyz) / ti.max(stream.w, 1e-30)
     beside = ti.max(ti.abs(d.dot(across.xyz)) - across.w, ti.abs(d.dot(along.xyz)) - along.w)

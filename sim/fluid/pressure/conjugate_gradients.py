@@ -15,15 +15,16 @@ from dataclasses import dataclass
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
+from sim.device.arrays import DoubleTable, RealArray, real, vec4
 from sim.fluid.boundary.half_space import along_faces
-from sim.fluid.forces.pairwise import matrix, pair_pressures
+from sim.fluid.forces.pairwise import Lens, matrix, pair_pressures
 from sim.fluid.kernel import cubic_slope, slope_norm
-from sim.fluid.packed import Q
+from sim.fluid.layout import Q, Resolution, Walls
 from sim.fluid.pressure.incompressible import WORST
-from sim.fluid.sums import span
+from sim.fluid.pressure.projection import Unknowns
+from sim.fluid.sums import mean_and_worst, span
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 FIRST = 0.8
 """Length of the Jacobi step in the first trial."""
@@ -34,8 +35,9 @@ ROWS = 1024
 ROW = 16
 """Particles in a range on a GPU, which has that many threads; these are summed over GROUPS ranges of them first."""
 GROUPS = 256
-WHOLE, PUSH, DESCEND = range(3)
-"""Parts of an iteration: all of it, or what comes before and after bodies answer the pressures of the trial."""
+PUSH, DESCEND, CORRECTED = 1, 2, 4
+"""Bits of what is compiled of an iteration: what comes before and after bodies respond to the pressures of the trial,
+and whether gradients are corrected."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class ConjugateGradients:
         self.worst = WORST * system.spec.rest_density
         self._grouped = ti.cfg.arch != ti.cpu
         self._sums = ti.ndarray(ti.f64, (ROWS + GROUPS + 1, 4))
+        nothing = ti.ndarray(vec4, 1)
+        self._no_lens = Lens(nothing, nothing)
 
     def solve(
         self, dt: float, tolerance: float, fewest: int, most: int, *, warm: bool, ahead: float, alone: bool = False
@@ -79,12 +83,7 @@ class ConjugateGradients:
             self._grouped,
             dt,
             warm,
-            particles.position,
-            particles.kept,
-            particles.search,
-            particles.diagonal,
-            particles.source,
-            particles.acceleration,
+            particles.bundle(Unknowns),
             self._sums,
         )
         for iteration in range(1, most + 1):
@@ -93,49 +92,28 @@ class ConjugateGradients:
                 bodies.respond(ahead)
                 mean, worst = self._iterate(DESCEND, dt, first=iteration == 1)
             else:
-                mean, worst = self._iterate(WHOLE, dt, first=iteration == 1)
+                mean, worst = self._iterate(PUSH | DESCEND, dt, first=iteration == 1)
             if iteration >= fewest and mean <= tolerance and worst <= self.worst:
                 break
         if bodies:
             bodies.gather_pressures(ahead)
-        strongest = _finish(
-            system.count,
-            dt,
-            warm,
-            particles.position,
-            particles.velocity,
-            particles.kept,
-            particles.search,
-            particles.source,
-            particles.acceleration,
-        )
+        strongest = _finish(system.count, dt, warm, particles.bundle(Unknowns))
         return Solution(iteration, dt * dt * strongest, mean > tolerance or worst > self.worst)
 
-    def _iterate(self, part: int, dt: float, *, first: bool) -> tuple[float, float]:
+    def _iterate(self, parts: int, dt: float, *, first: bool) -> tuple[float, float]:
         system, particles = self.system, self.system.particles
         mean, worst = _iterate(
-            part,
+            parts | (CORRECTED if self.corrected else 0),
+            first,
             system.count,
             self._rows,
             self._grouped,
             dt,
-            system.h,
-            system.mass,
-            first,
-            particles.position,
-            particles.pressure_acceleration,
-            particles.kept,
-            particles.search,
-            particles.solid,
-            particles.diagonal,
-            particles.source,
-            system.neighbors.size,
-            system.neighbors.index,
-            *system.boundary.faces.lists,
-            system.boundary.faces.excess,
-            self.corrected,
-            particles.correction if self.corrected else particles.pressure_acceleration,
-            particles.skew if self.corrected else particles.pressure_acceleration,
+            system.resolution,
+            particles.bundle(Unknowns),
+            particles.bundle(Lens) if self.corrected else self._no_lens,
+            system.neighbors.lists,
+            system.boundary.faces.lists,
             self._sums,
         )
         return mean, worst
@@ -192,12 +170,7 @@ def _compression(count: ti.i32, rows: ti.i32, source: RealArray, sums: DoubleTab
             worst = ti.max(worst, source[i])
         sums[row, 0] = error
         sums[row, 1] = worst
-    total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for row in range(rows):
-        total += sums[row, 0]
-        peak = ti.max(peak, sums[row, 1])
-    return ti.Vector([total / count, peak])
+    return mean_and_worst(count, rows, sums)
 
 
 @ti.kernel
@@ -207,12 +180,7 @@ def _begin(
     grouped: ti.template(),
     dt: real,
     warm: ti.i32,
-    position: Vec4Array,
-    kept: Vec4Array,
-    search: Vec4Array,
-    diagonal: RealArray,
-    source: RealArray,
-    acceleration: Vec4Array,
+    p: Unknowns,
     sums: DoubleTable,
 ):
     """The first trial, from the share of the last pressures that minimises the energy, as far as is known yet."""
@@ -222,10 +190,10 @@ def _begin(
         gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
         within = span(row, rows, count)
         for i in range(within[0], within[1]):
-            q, s = position[i][Q], source[i]
-            if warm != 0 and q + s * diagonal[i] / dt2 > 0.0:
+            q, s = p.position[i][Q], p.source[i]
+            if warm != 0 and q + s * p.diagonal[i] / dt2 > 0.0:
                 gain += s * q
-                bend -= q * dt2 * acceleration[i].w
+                bend -= q * dt2 * p.acceleration[i].w
         sums[row, 0] = gain
         sums[row, 1] = bend
     if ti.static(grouped):
@@ -235,89 +203,73 @@ def _begin(
     for _ in range(1):
         sums[last, 0] = _share(sums, grouped, rows)
     for i in range(count):
-        share, s = ti.cast(sums[last, 0], real), source[i]
-        kept[i] = vec4(0.0, 0.0, 0.0, s)
-        search[i] = vec4(0.0, 0.0, position[i][Q], 0.0)
-        left = s + share * dt2 * acceleration[i].w
-        position[i][Q] = ti.max(share * position[i][Q] + FIRST * left * diagonal[i] / dt2, 0.0)
+        share, s = ti.cast(sums[last, 0], real), p.source[i]
+        p.kept[i] = vec4(0.0, 0.0, 0.0, s)
+        p.search[i] = vec4(0.0, 0.0, p.position[i][Q], 0.0)
+        left = s + share * dt2 * p.acceleration[i].w
+        p.position[i][Q] = ti.max(share * p.position[i][Q] + FIRST * left * p.diagonal[i] / dt2, 0.0)
 
 
 @ti.kernel
 def _iterate(
-    part: ti.template(),
+    parts: ti.template(),
+    first: ti.i32,
     count: ti.i32,
     rows: ti.i32,
     grouped: ti.template(),
     dt: real,
-    h: real,
-    mass: real,
-    first: ti.i32,
-    position: Vec4Array,
-    pressure_acceleration: Vec4Array,
-    kept: Vec4Array,
-    search: Vec4Array,
-    solid: Vec4Array,
-    diagonal: RealArray,
-    source: RealArray,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    excess: RealArray,
-    corrected: ti.template(),
-    correction: Vec4Array,
-    skew: Vec4Array,
+    fluid: Resolution,
+    p: Unknowns,
+    lens: Lens,
+    near: Neighbors,
+    walls: Walls,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     """One iteration; returns the mean error [kg/m^3] of the pressures it arrives at, and the worst."""
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     dt2 = dt * dt
-    strength = mass * slope_norm(inverse_h)
+    strength = fluid.mass * slope_norm(inverse_h)
     # The last row has the conjugacy of directions and the share of the trial step.
     last = sums.shape[0] - 1
     total, peak = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    if ti.static(part != DESCEND):
+    if ti.static(parts & PUSH):
         for i in range(count):
             if first == 0:
-                q, left = search[i].x, kept[i].w
-                downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
-                position[i][Q] = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * search[i].y), 0.0)
+                q, left = p.search[i].x, p.kept[i].w
+                downhill = ti.select(q > 0.0 or left > 0.0, left * p.diagonal[i] / dt2, 0.0)
+                p.position[i][Q] = ti.max(q + TRIAL * (downhill + ti.cast(sums[last, 0], real) * p.search[i].y), 0.0)
         for i in range(count):
-            a = strength * pair_pressures(i, position, corrected, correction, skew, size, index, inverse_h)
-            a -= position[i][Q] * solid[i].xyz
-            if solids_near[i] > 0:
-                a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-            pressure_acceleration[i].xyz = a
-    if ti.static(part != PUSH):
+            a = strength * pair_pressures(i, p.position, parts & CORRECTED, lens, near, inverse_h)
+            a -= p.position[i][Q] * p.solid[i].xyz
+            if walls.size[i] > 0:
+                a = along_faces(i, a, walls, inverse_h)
+            p.pressure_acceleration[i].xyz = a
+    if ti.static(parts & DESCEND):
         for row in range(rows):
             gain, bend = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
             within = span(row, rows, count)
             for i in range(within[0], within[1]):
-                x, a = position[i], pressure_acceleration[i].xyz
+                x, a = p.position[i], p.pressure_acceleration[i].xyz
                 change = ti.cast(0.0, real)
-                lens = ti.Matrix.identity(real, 3)
-                if ti.static(corrected):
-                    lens = matrix(correction[i], skew[i])
-                for k in range(padded(size[i])):
-                    j = index[i, k]
-                    d = x.xyz - position[j].xyz
+                mine = ti.Matrix.identity(real, 3)
+                if ti.static(parts & CORRECTED):
+                    mine = matrix(lens.correction[i], lens.skew[i])
+                for k in range(padded(near.size[i])):
+                    j = near.index[i, k]
+                    d = x.xyz - p.position[j].xyz
                     slope = cubic_slope(d.norm() * inverse_h)
-                    if ti.static(corrected):
-                        change += slope * (lens @ d).dot(a - pressure_acceleration[j].xyz)
+                    if ti.static(parts & CORRECTED):
+                        change += slope * (mine @ d).dot(a - p.pressure_acceleration[j].xyz)
                     else:
-                        change += slope * d.dot(a - pressure_acceleration[j].xyz)
-                change = strength * change + a.dot(solid[i].xyz)
-                if ti.static(part == DESCEND):
-                    change -= pressure_acceleration[i].w
-                left = source[i] + dt2 * change
-                pressure_acceleration[i].w = left
-                step = x[Q] - search[i].x
-                gain += step * kept[i].w
-                bend += step * (kept[i].w - left)
+                        change += slope * d.dot(a - p.pressure_acceleration[j].xyz)
+                change = strength * change + a.dot(p.solid[i].xyz)
+                if ti.static(not parts & PUSH):
+                    change -= p.pressure_acceleration[i].w
+                left = p.source[i] + dt2 * change
+                p.pressure_acceleration[i].w = left
+                step = x[Q] - p.search[i].x
+                gain += step * p.kept[i].w
+                bend += step * (p.kept[i].w - left)
             sums[row, 0] = gain
             sums[row, 1] = bend
         if ti.static(grouped):
@@ -334,17 +286,17 @@ def _iterate(
             share = ti.cast(sums[last, 1], real)
             within = span(row, rows, count)
             for i in range(within[0], within[1]):
-                step = share * (position[i][Q] - search[i].x)
-                change = share * (pressure_acceleration[i] - kept[i])
-                kept[i] += change
-                search[i].x += step
-                search[i].y = step
-                q, left = search[i].x, kept[i].w
-                downhill = ti.select(q > 0.0 or left > 0.0, left * diagonal[i] / dt2, 0.0)
+                step = share * (p.position[i][Q] - p.search[i].x)
+                change = share * (p.pressure_acceleration[i] - p.kept[i])
+                p.kept[i] += change
+                p.search[i].x += step
+                p.search[i].y = step
+                q, left = p.search[i].x, p.kept[i].w
+                downhill = ti.select(q > 0.0 or left > 0.0, left * p.diagonal[i] / dt2, 0.0)
                 across += downhill * change.w
                 along += step * change.w
                 error += ti.max(left, 0.0)
-                if excess[i] == 0.0:
+                if walls.excess[i] == 0.0:
                     worst = ti.max(worst, left)
             sums[row, 0] = across
             sums[row, 1] = along
@@ -372,17 +324,7 @@ def _iterate(
 
 
 @ti.kernel
-def _finish(
-    count: ti.i32,
-    dt: real,
-    warm: ti.i32,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    kept: Vec4Array,
-    search: Vec4Array,
-    source: RealArray,
-    acceleration: Vec4Array,
-) -> real:
+def _finish(count: ti.i32, dt: real, warm: ti.i32, p: Unknowns) -> real:
     """Push, and leave what was found in position.w, and its L q in acceleration.w, or both as they were; L q in
     kept.w, too.
 
@@ -390,13 +332,13 @@ def _finish(
     """
     strongest = ti.cast(0.0, real)
     for i in range(count):
-        velocity[i].xyz += dt * kept[i].xyz
-        ti.atomic_max(strongest, kept[i].xyz.norm_sqr())
-        changed = (kept[i].w - source[i]) / (dt * dt)
-        kept[i].w = changed
+        p.velocity[i].xyz += dt * p.kept[i].xyz
+        ti.atomic_max(strongest, p.kept[i].xyz.norm_sqr())
+        changed = (p.kept[i].w - p.source[i]) / (dt * dt)
+        p.kept[i].w = changed
         if warm != 0:
-            position[i][Q] = search[i].x
-            acceleration[i].w = changed
+            p.position[i][Q] = p.search[i].x
+            p.acceleration[i].w = changed
         else:
-            position[i][Q] = search[i].z
+            p.position[i][Q] = p.search[i].z
     return ti.sqrt(strongest)

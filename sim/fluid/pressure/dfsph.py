@@ -71,7 +71,7 @@ class Dfsph(Incompressible):
         else:
             self.divergence.worst = UNEVEN * tolerance
         self.hyperviscosity.apply(dt)
-        system.meet(dt)
+        system.update_half_spaces(dt)
         compression_rates(system, dt, self.projection.smallest_diagonal)
         if system.bodies:
             system.bodies.subtract_predicted(dt)

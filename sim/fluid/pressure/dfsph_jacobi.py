@@ -31,19 +31,19 @@ from typing import ClassVar
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
-from sim.fluid.boundary.gaps import felt_velocity
+from sim.device.arrays import Declared, DoubleTable, RealArray, Vec4Array, real, vec4
+from sim.fluid.boundary.gaps import velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, face_slope, void_of
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.pairwise import pressure_sum
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, lattice, slope_norm
-from sim.fluid.packed import DISTANCE, Q
+from sim.fluid.layout import DISTANCE, Q, Resolution, Walls
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
-from sim.fluid.pressure.projection import Projection
-from sim.fluid.sums import BLOCKS, span
+from sim.fluid.pressure.projection import Projection, Unknowns
+from sim.fluid.sums import BLOCKS, mean_and_worst, span
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 STEP = 1.4
 """Of an iteration, over 1 / growth: under 2 it converges in a lattice. Along walls and edges pressure acts up to 1.4
@@ -99,24 +99,14 @@ class DfsphJacobi(Incompressible):
 
     def _free_of_divergence(self, dt: float) -> tuple[int, bool]:
         """Take from velocities what compresses, where all are after the step; returns as `_iterate` does."""
-        system, particles, boundary = self.system, self.system.particles, self.system.boundary
+        system, particles = self.system, self.system.particles
         _begin_divergence(
             system.count,
             dt,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
-            system.spec.spacing,
-            particles.position,
-            particles.velocity,
-            particles.pressure_acceleration,
-            particles.search,
-            particles.source,
-            system.neighbors.size,
-            system.neighbors.index,
-            *boundary.faces.lists,
-            boundary.faces.solid,
-            boundary.shapes.pose,
+            system.resolution,
+            particles.bundle(Unknowns),
+            system.neighbors.lists,
+            system.boundary.faces.lists,
         )
         told = self._iterate(dt, system.spec.dfsph.divergence_error, warm=False)
         kick(system.count, dt, particles.velocity, particles.pressure_acceleration)  # the paper, eq. 16
@@ -135,18 +125,11 @@ class DfsphJacobi(Incompressible):
             mean, worst = _iterate(
                 system.count,
                 dt,
-                system.h,
-                system.mass,
                 0.0 if warm and iteration == 1 else self.step,
-                particles.position,
-                particles.pressure_acceleration,
-                particles.solid,
-                particles.diagonal,
-                particles.source,
-                system.neighbors.size,
-                system.neighbors.index,
-                *system.boundary.faces.lists,
-                system.boundary.faces.excess,
+                system.resolution,
+                particles.bundle(Unknowns),
+                system.neighbors.lists,
+                system.boundary.faces.lists,
                 self._sums,
             )
             good = mean <= error * rest_density / self.deep and worst <= WORST * rest_density
@@ -177,50 +160,35 @@ def _begin(count: ti.i32, loose: real, position: Vec4Array, source: RealArray):
 def _begin_divergence(
     count: ti.i32,
     dt: real,
-    h: real,
-    mass: real,
-    rest_density: real,
-    spacing: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    pressure_acceleration: Vec4Array,
-    search: Vec4Array,
-    source: RealArray,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    solid_of: IntArray,
-    pose: DoubleTable,
+    fluid: Resolution,
+    p: Unknowns,
+    near: Neighbors,
+    walls: Walls,
 ):
     """As source, and as what is left of it, what velocities compress in dt; no pressure in position.w, and that of the
     density solve in search.x."""
-    inverse_h = 1.0 / h
-    strength = mass * slope_norm(inverse_h)
-    volume = spacing**3 / (4.0 / 3.0 * ti.math.pi * h**3)
+    inverse_h = 1.0 / fluid.h
+    strength = fluid.mass * slope_norm(inverse_h)
+    volume = fluid.spacing**3 / (4.0 / 3.0 * ti.math.pi * fluid.h**3)
     for i in range(count):
-        x, v = position[i].xyz, velocity[i].xyz
-        pairs, solids, filled = ti.cast(0.0, real), ti.cast(0.0, real), volume * size[i]
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            d = x - position[j].xyz
-            pairs += cubic_slope(d.norm() * inverse_h) * d.dot(v - velocity[j].xyz)
-        last = begin[i] + solids_near[i]
-        void = void_of(begin[i], last, face, face_weight, fit, inverse_h)
-        for e in range(begin[i], last):
-            solid_velocity = felt_velocity(e, x, begin[i], last, solid_of, face, pose, spacing)
-            slope = face_slope(face[e][DISTANCE], face_weight[e], void, fit, inverse_h)
-            solids += slope * face[e].xyz.dot(v - solid_velocity)
-            filled += face_weight[e] * cap(face[e][DISTANCE] * inverse_h)
-        rate = strength * pairs + rest_density * solids  # the paper, eq. 15
-        source[i] = ti.select(filled >= FEW, dt * rate, EXEMPT)
-        pressure_acceleration[i] = vec4(0.0, 0.0, 0.0, source[i])
-        search[i].x = position[i][Q]
-        position[i][Q] = 0.0
+        x, v = p.position[i].xyz, p.velocity[i].xyz
+        pairs, solids, filled = ti.cast(0.0, real), ti.cast(0.0, real), volume * near.size[i]
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
+            d = x - p.position[j].xyz
+            pairs += cubic_slope(d.norm() * inverse_h) * d.dot(v - p.velocity[j].xyz)
+        last = walls.begin[i] + walls.size[i]
+        void = void_of(walls.begin[i], last, walls, inverse_h)
+        for e in range(walls.begin[i], last):
+            solid_velocity = velocity_in_gap(e, x, walls.begin[i], last, walls)
+            slope = face_slope(walls.face[e][DISTANCE], walls.weight[e], void, walls.fit, inverse_h)
+            solids += slope * walls.face[e].xyz.dot(v - solid_velocity)
+            filled += walls.weight[e] * cap(walls.face[e][DISTANCE] * inverse_h)
+        rate = strength * pairs + fluid.rest_density * solids  # the paper, eq. 15
+        p.source[i] = ti.select(filled >= FEW, dt * rate, EXEMPT)
+        p.pressure_acceleration[i] = vec4(0.0, 0.0, 0.0, p.source[i])
+        p.search[i].x = p.position[i][Q]
+        p.position[i][Q] = 0.0
 
 
 @ti.func
@@ -247,60 +215,43 @@ def _add_up(count: ti.i32, position: Vec4Array, search: Vec4Array):
 def _iterate(
     count: ti.i32,
     dt: real,
-    h: real,
-    mass: real,
     step: real,
-    position: Vec4Array,
-    pressure_acceleration: Vec4Array,
-    solid: Vec4Array,
-    diagonal: RealArray,
-    source: RealArray,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    excess: RealArray,
+    fluid: Resolution,
+    p: Unknowns,
+    near: Neighbors,
+    walls: Walls,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
     """One iteration; returns the mean and the maximum of the compression that is left [kg/m^3], which is written to
     pressure_acceleration.w of each particle."""
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     dt2 = dt * dt
-    strength = mass * slope_norm(inverse_h)
+    strength = fluid.mass * slope_norm(inverse_h)
     for i in range(count):
         if step > 0.0:
-            q = pressure_acceleration[i].w * diagonal[i] / dt2  # the paper, eq. 15 and 18, over rho
-            position[i][Q] = ti.max(position[i][Q] + step * q, 0.0)
+            q = p.pressure_acceleration[i].w * p.diagonal[i] / dt2  # the paper, eq. 15 and 18, over rho
+            p.position[i][Q] = ti.max(p.position[i][Q] + step * q, 0.0)
     for i in range(count):
         # The paper, eq. 16 and 19.
-        a = strength * pressure_sum(i, position, size, index, inverse_h) - position[i][Q] * solid[i].xyz
-        if solids_near[i] > 0:
-            a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-        pressure_acceleration[i].xyz = a
+        a = strength * pressure_sum(i, p.position, near, inverse_h) - p.position[i][Q] * p.solid[i].xyz
+        if walls.size[i] > 0:
+            a = along_faces(i, a, walls, inverse_h)
+        p.pressure_acceleration[i].xyz = a
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
-            x, a = position[i].xyz, pressure_acceleration[i].xyz
+            x, a = p.position[i].xyz, p.pressure_acceleration[i].xyz
             change = ti.cast(0.0, real)
-            for k in range(padded(size[i])):
-                j = index[i, k]
-                d = x - position[j].xyz
-                change += cubic_slope(d.norm() * inverse_h) * d.dot(a - pressure_acceleration[j].xyz)
-            left = source[i] + dt2 * (strength * change + a.dot(solid[i].xyz))  # the paper, eq. 17
-            pressure_acceleration[i].w = left
+            for k in range(padded(near.size[i])):
+                j = near.index[i, k]
+                d = x - p.position[j].xyz
+                change += cubic_slope(d.norm() * inverse_h) * d.dot(a - p.pressure_acceleration[j].xyz)
+            left = p.source[i] + dt2 * (strength * change + a.dot(p.solid[i].xyz))  # the paper, eq. 17
+            p.pressure_acceleration[i].w = left
             total += ti.max(left, 0.0)
-            if excess[i] == 0.0:
+            if walls.excess[i] == 0.0:
                 worst = ti.max(worst, left)
         sums[block, 0] = total
         sums[block, 1] = worst
-    total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for block in range(BLOCKS):
-        total += sums[block, 0]
-        worst = ti.max(worst, sums[block, 1])
-    return ti.Vector([total / count, worst])
+    return mean_and_worst(count, BLOCKS, sums)

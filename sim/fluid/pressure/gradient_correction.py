@@ -24,17 +24,18 @@ from functools import cache
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, mat3, real, vec3, vec4
+from sim.device.arrays import Declared, mat3, real, vec3, vec4
 from sim.fluid.boundary.faces import Faces
-from sim.fluid.boundary.gaps import felt_velocity, relieved
+from sim.fluid.boundary.gaps import pressing_density, velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.samples import approach, sheet_share
-from sim.fluid.forces.pairwise import matrix
+from sim.fluid.forces.pairwise import Lens, matrix
 from sim.fluid.kernel import cubic_slope, cubic_slope_host, halfspace_area, halfspace_volume, lattice, slope_norm
-from sim.fluid.packed import DENSITY, DISTANCE, VOLUME
+from sim.fluid.layout import DENSITY, DISTANCE, VOLUME, Resolution, Samples, Walls
+from sim.fluid.pressure.projection import Unknowns
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import fall_limit
-from sim.neighbors.spatial_hash import padded
+from sim.neighbors.spatial_hash import Neighbors, padded
 
 ARRAYS = (
     Declared("correction", "vec4", "L: xx, yy, zz", saved=False),
@@ -62,33 +63,21 @@ def lattice_sum(spacing: float, h: float, volume: float) -> float:
 
 def compression_rates(system: FluidSystem, dt: float, smallest_diagonal: float) -> None:
     """Write L, G, D, pulls of faces, and as source what the present velocities would compress in `dt` [s], with a share
-    of the compression there is, for the solids where `meet` has found them."""
-    particles, boundary = system.particles, system.boundary
-    faces = boundary.faces
+    of the compression there is, for the solids where `update_half_spaces` has found them."""
+    boundary = system.boundary
     _compression_rates(
         system.count,
         dt,
         _share_back(system, dt),
-        system.spec.spacing,
-        system.h,
-        system.mass,
-        system.spec.rest_density,
         smallest_diagonal,
         lattice_sum(system.spec.spacing, system.h, system.mass / system.spec.rest_density),
-        particles.position,
-        particles.velocity,
-        particles.correction,
-        particles.skew,
-        particles.solid,
-        particles.diagonal,
-        particles.source,
-        *system.lists,
-        boundary.velocity,
-        *faces.lists,
-        faces.solid,
-        faces.pull,
-        boundary.shapes.pose,
-        faces.excess,
+        system.resolution,
+        system.particles.bundle(Unknowns),
+        system.particles.bundle(Lens),
+        system.neighbors.lists,
+        boundary.sampled > 0,
+        boundary.near_samples,
+        boundary.faces.lists,
     )
 
 
@@ -107,30 +96,17 @@ def face_pull(face: vec4, weight: real, lens: mat3, inverse_h: real) -> vec3:
 
 def correct_pulls(system: FluidSystem, faces: Faces) -> None:
     """Write what half-spaces add to G of particles elsewhere, in their order, with L as it is."""
-    particles = system.particles
-    _correct_pulls(system.count, system.h, particles.correction, particles.skew, *faces.lists, faces.pull)
+    _correct_pulls(system.count, system.h, system.particles.bundle(Lens), faces.lists)
 
 
 @ti.kernel
-def _correct_pulls(
-    count: ti.i32,
-    h: real,
-    correction: Vec4Array,
-    skew: Vec4Array,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    pull: Vec4Array,
-):
+def _correct_pulls(count: ti.i32, h: real, lens: Lens, walls: Walls):
     inverse_h = 1.0 / h
     for i in range(count):
-        lens = matrix(correction[i], skew[i])
-        for e in range(begin[i], begin[i] + solids_near[i]):
-            one = face_pull(face[e], face_weight[e], lens, inverse_h)
-            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
+        mine = matrix(lens.correction[i], lens.skew[i])
+        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+            one = face_pull(walls.face[e], walls.weight[e], mine, inverse_h)
+            walls.pull[e].xyz = walls.pull[e].w * along_faces(i, one, walls, inverse_h)
 
 
 @ti.kernel
@@ -138,91 +114,70 @@ def _compression_rates(
     count: ti.i32,
     dt: real,
     back: real,
-    spacing: real,
-    h: real,
-    mass: real,
-    rest_density: real,
     smallest_diagonal: real,
     lattice_sum: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    correction: Vec4Array,
-    skew: Vec4Array,
-    solid: Vec4Array,
-    diagonal: RealArray,
-    source: RealArray,
-    size: IntArray,
-    index: IntTable,
+    fluid: Resolution,
+    p: Unknowns,
+    lens: Lens,
+    near: Neighbors,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    sample_velocity: Vec4Array,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
-    solid_of: IntArray,
-    pull: Vec4Array,
-    pose: DoubleTable,
-    excess: RealArray,
+    samples: Samples,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     slope_strength = slope_norm(inverse_h)
     for i in range(count):
-        x, v = position[i].xyz, velocity[i]
-        last = begin[i] + solids_near[i]
+        x, v = p.position[i].xyz, p.velocity[i]
+        last = walls.begin[i] + walls.size[i]
         sums = mat3(0.0)
-        for k in range(padded(size[i])):
-            d = x - position[index[i, k]].xyz
+        for k in range(padded(near.size[i])):
+            d = x - p.position[near.index[i, k]].xyz
             sums -= cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
-        sums *= mass / rest_density * slope_strength
+        sums *= fluid.mass / fluid.rest_density * slope_strength
         if ti.static(has_samples):
-            for k in range(sample_size[i]):
-                b = samples[sample_index[i, k]]
+            for k in range(samples.size[i]):
+                b = samples.sample[samples.index[i, k]]
                 d = x - b.xyz
                 sums -= slope_strength * b[VOLUME] * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
         filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
-        for e in range(begin[i], last):
-            n, q = face[e].xyz, ti.max(face[e][DISTANCE], 0.0) * inverse_h
+        for e in range(walls.begin[i], last):
+            n, q = walls.face[e].xyz, ti.max(walls.face[e][DISTANCE], 0.0) * inverse_h
             across = q * halfspace_area(q)
-            sums += 2.0 * face_weight[e] * across * n.outer_product(n)
-            room *= 1.0 - face_weight[e] * (halfspace_volume(q) + across / 3.0)
-        if last > begin[i]:
-            sums += lattice_sum * lacking_along(i, begin, solids_near, face, held, fit, inverse_h)
+            sums += 2.0 * walls.weight[e] * across * n.outer_product(n)
+            room *= 1.0 - walls.weight[e] * (halfspace_volume(q) + across / 3.0)
+        if last > walls.begin[i]:
+            sums += lattice_sum * lacking_along(i, walls, inverse_h)
         full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
         full *= ti.math.clamp((sums.determinant() - FLAT) / (ROUND - FLAT), 0.0, 1.0)
-        lens = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
-        correction[i] = vec4(lens[0, 0], lens[1, 1], lens[2, 2], 0.0)
-        skew[i] = vec4(lens[0, 1], lens[0, 2], lens[1, 2], 0.0)
+        mine = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
+        lens.correction[i] = vec4(mine[0, 0], mine[1, 1], mine[2, 2], 0.0)
+        lens.skew[i] = vec4(mine[0, 1], mine[0, 2], mine[1, 2], 0.0)
         along, squares, pairs = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            d = x - position[j].xyz
-            gradient = cubic_slope(d.norm() * inverse_h) * (lens @ d)
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
+            d = x - p.position[j].xyz
+            gradient = cubic_slope(d.norm() * inverse_h) * (mine @ d)
             along += gradient
             squares += gradient.dot(gradient)
-            pairs += gradient.dot(v.xyz - velocity[j].xyz)
+            pairs += gradient.dot(v.xyz - p.velocity[j].xyz)
         gradient, rate = vec3(0.0), ti.cast(0.0, real)
-        for e in range(begin[i], last):
-            one = face_pull(face[e], face_weight[e], lens, inverse_h)
+        for e in range(walls.begin[i], last):
+            one = face_pull(walls.face[e], walls.weight[e], mine, inverse_h)
             gradient += one
             there = x + dt * v.xyz
-            rate += one.dot(v.xyz - felt_velocity(e, there, begin[i], last, solid_of, face, pose, spacing))
-            pull[e].xyz = pull[e].w * along_faces(i, one, begin, solids_near, face, held, fit, inverse_h)
+            rate += one.dot(v.xyz - velocity_in_gap(e, there, walls.begin[i], last, walls))
+            walls.pull[e].xyz = walls.pull[e].w * along_faces(i, one, walls, inverse_h)
         if ti.static(has_samples):
             there = x + dt * v.xyz
-            one = sheet_share(there, i, sample_size[i], sample_index, samples, inverse_h).xyz
+            one = sheet_share(there, i, samples, inverse_h).xyz
             gradient += one
             rate += one.dot(v.xyz)
-            rate += approach(there, i, sample_size[i], sample_index, samples, sample_velocity, inverse_h)
-        solid[i].xyz = rest_density * gradient
-        strength = mass * slope_strength
-        whole = strength * along + rest_density * gradient
+            rate += approach(there, i, samples, inverse_h)
+        p.solid[i].xyz = fluid.rest_density * gradient
+        strength = fluid.mass * slope_strength
+        whole = strength * along + fluid.rest_density * gradient
         d_ii = whole.dot(whole) + strength * strength * squares
-        diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
-        density = relieved(v[DENSITY], rest_density, excess[i])
-        source[i] = back * (density - rest_density) + dt * (strength * pairs + rest_density * rate)
+        p.diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+        density = pressing_density(v[DENSITY], fluid.rest_density, walls.excess[i])
+        p.source[i] = back * (density - fluid.rest_density) + dt * (strength * pairs + fluid.rest_density * rate)

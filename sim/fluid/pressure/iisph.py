@@ -11,7 +11,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec4
 from sim.fluid.boundary.samples import remember_displacement
-from sim.fluid.packed import Q
+from sim.fluid.layout import Q
 from sim.fluid.pressure import projection
 from sim.fluid.pressure.conjugate_gradients import ConjugateGradients, Solution
 from sim.fluid.pressure.incompressible import Incompressible, kick

@@ -7,7 +7,7 @@ import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.forces.momentum import Momentum
-from sim.fluid.forces.velocity_smoothing import Mixing
+from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.time_step_limits import displacement_limit, fall_limit, pressure_limit
 from sim.free_fall import OTHERS
@@ -38,7 +38,7 @@ class Incompressible:
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
         self.momentum = Momentum(system, pressure=False, friction_known=self.FINDS_FRICTION)
-        self.mixing = Mixing(system)
+        self.smoothing = VelocitySmoothing(system)
 
     @property
     def settings(self) -> Any:
@@ -94,7 +94,7 @@ class Incompressible:
         if system.bodies:
             system.bodies.predict(dt)
         system.boundary.move()
-        stats = self.mixing.mix(dt)
+        stats = self.smoothing.smooth(dt)
         system.lead()
         _tell(stats, self.solve_pressures(dt))
         system.lead()

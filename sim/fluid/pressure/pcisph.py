@@ -12,22 +12,26 @@ G vanishes, is raised without bound. So G only grows while a step is solved: it 
 without pressure, and takes over what it lacks of any steeper one that is met.
 """
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec4
-from sim.fluid.boundary.gaps import relieved
+from sim.device.arrays import Declared, DoubleTable, Vec4Array, real, vec4
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
 from sim.fluid.forces.pairwise import pressure_sum
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope_host, lattice, slope_norm
-from sim.fluid.packed import DENSITY, Q
+from sim.fluid.layout import DENSITY, Q, Resolution, Samples, Walls
 from sim.fluid.pressure.incompressible import WORST, Incompressible, kick
-from sim.fluid.sums import BLOCKS, span
+from sim.fluid.sums import BLOCKS, mean_and_worst, span
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import itself, padded
+from sim.neighbors.spatial_hash import Neighbors, itself, padded
+
+Predicted: Any = ti.types.argpack(
+    position=Vec4Array, predicted=Vec4Array, pressure_acceleration=Vec4Array, solid=Vec4Array
+)
 
 RELAXATION = 0.5
 """Share of what would bring one particle alone to its rest density: its neighbours are raised with it."""
@@ -101,43 +105,35 @@ class Pcisph(Incompressible):
 
         Bodies that the fluid moves are pushed by the G that particles are: with these it is that of a `fresh` look.
         """
-        system, particles = self.system, self.system.particles
-        system.meet(position=particles.predicted, pulls=fresh)
+        system = self.system
+        system.update_half_spaces(position="predicted", pulls=fresh)
         mean, worst = _compress(
             system.count,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
             dt,
             fresh,
             system.bodies is not None,
-            system.particles.predicted,
-            system.particles.pressure_acceleration,
-            system.particles.solid,
-            *system.lists,
-            system.boundary.faces.share,
-            system.boundary.faces.excess,
+            system.resolution,
+            system.particles.bundle(Predicted),
+            system.neighbors.lists,
+            system.boundary.sampled > 0,
+            system.boundary.near_samples,
+            system.boundary.faces.lists,
             self._sums,
         )
         return mean, worst
 
     def _raise(self, dt: float) -> None:
         """Raise pressures by what is compressed, and find the accelerations."""
-        system, particles = self.system, self.system.particles
+        system = self.system
         _raise(
             system.count,
             RELAXATION / (dt * dt),
             self.lattice_sum,
             1.0 + (system.bodies.layer_mass_ratio if system.bodies else 0.0),
-            system.h,
-            system.mass,
-            particles.position,
-            particles.pressure_acceleration,
-            particles.predicted,
-            particles.solid,
-            system.neighbors.size,
-            system.neighbors.index,
-            *system.boundary.faces.lists,
+            system.resolution,
+            system.particles.bundle(Predicted),
+            system.neighbors.lists,
+            system.boundary.faces.lists,
         )
 
 
@@ -171,60 +167,47 @@ def _keep_density(count: ti.i32, rest_density: real, velocity: Vec4Array, predic
 @ti.kernel
 def _compress(
     count: ti.i32,
-    h: real,
-    mass: real,
-    rest_density: real,
     dt: real,
     fresh: ti.i32,
     has_bodies: ti.template(),
-    predicted: Vec4Array,
-    pressure_acceleration: Vec4Array,
-    solid: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    fluid: Resolution,
+    p: Predicted,
+    near: Neighbors,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    solids: Vec4Array,
-    excess: RealArray,
+    samples: Samples,
+    walls: Walls,
     sums: DoubleTable,
 ) -> ti.types.vector(2, ti.f64):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     for i in range(count):
-        x = predicted[i].xyz
-        near = ti.cast(0.0, real)
-        for k in range(padded(size[i])):
-            near += cubic((x - predicted[index[i, k]].xyz).norm() * inverse_h)
-        share = solids[i]
+        x = p.predicted[i].xyz
+        total = ti.cast(0.0, real)
+        for k in range(padded(near.size[i])):
+            total += cubic((x - p.predicted[near.index[i, k]].xyz).norm() * inverse_h)
+        share = walls.share[i]
         if ti.static(has_samples):
-            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
-        steep = rest_density * share.xyz.norm()
+            share += sheet_share(x, i, samples, inverse_h)
+        steep = fluid.rest_density * share.xyz.norm()
         if ti.static(has_bodies):
             if fresh == 1:
-                solid[i].xyz = rest_density * share.xyz
+                p.solid[i].xyz = fluid.rest_density * share.xyz
         elif steep > 0:
             normal = share.xyz.normalized()
-            solid[i].xyz += ti.max(steep - solid[i].xyz.dot(normal), 0.0) * normal
-        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
-        predicted[i].w = relieved(density, rest_density, excess[i]) - rest_density
+            p.solid[i].xyz += ti.max(steep - p.solid[i].xyz.dot(normal), 0.0) * normal
+        density = fluid.mass * norm * (total + itself(near.size[i])) + fluid.rest_density * share.w
+        p.predicted[i].w = pressing_density(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
         if ti.static(has_bodies):
-            predicted[i].w -= dt * dt * pressure_acceleration[i].w
+            p.predicted[i].w -= dt * dt * p.pressure_acceleration[i].w
     for block in range(BLOCKS):
         total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, real)
         within = span(block, BLOCKS, count)
         for i in range(within[0], within[1]):
-            total += ti.max(predicted[i].w, 0.0)
-            worst = ti.max(worst, predicted[i].w)
+            total += ti.max(p.predicted[i].w, 0.0)
+            worst = ti.max(worst, p.predicted[i].w)
         sums[block, 0] = total
         sums[block, 1] = worst
-    total, worst = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
-    ti.loop_config(serialize=True)
-    for block in range(BLOCKS):
-        total += sums[block, 0]
-        worst = ti.max(worst, sums[block, 1])
-    return ti.Vector([total / count, worst])
+    return mean_and_worst(count, BLOCKS, sums)
 
 
 @ti.kernel
@@ -233,29 +216,19 @@ def _raise(
     factor: real,
     lattice_sum: real,
     giving_way: real,
-    h: real,
-    mass: real,
-    position: Vec4Array,
-    pressure_acceleration: Vec4Array,
-    predicted: Vec4Array,
-    solid: Vec4Array,
-    size: IntArray,
-    index: IntTable,
-    begin: IntArray,
-    solids_near: IntArray,
-    face: Vec4Array,
-    face_weight: RealArray,
-    held: RealArray,
-    fit: vec4,
+    fluid: Resolution,
+    p: Predicted,
+    near: Neighbors,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
-    strength = mass * slope_norm(inverse_h)
+    inverse_h = 1.0 / fluid.h
+    strength = fluid.mass * slope_norm(inverse_h)
     for i in range(count):
-        diagonal = lattice_sum + giving_way * solid[i].xyz.dot(solid[i].xyz)
-        position[i][Q] = ti.max(position[i][Q] + factor / diagonal * predicted[i].w, 0.0)
+        diagonal = lattice_sum + giving_way * p.solid[i].xyz.dot(p.solid[i].xyz)
+        p.position[i][Q] = ti.max(p.position[i][Q] + factor / diagonal * p.predicted[i].w, 0.0)
     for i in range(count):
-        a = pressure_sum(i, position, size, index, inverse_h)
-        a = strength * a - position[i][Q] * solid[i].xyz
-        if solid[i].xyz.any():
-            a = along_faces(i, a, begin, solids_near, face, held, fit, inverse_h)
-        pressure_acceleration[i].xyz = a
+        a = pressure_sum(i, p.position, near, inverse_h)
+        a = strength * a - p.position[i][Q] * p.solid[i].xyz
+        if p.solid[i].xyz.any():
+            a = along_faces(i, a, walls, inverse_h)
+        p.pressure_acceleration[i].xyz = a

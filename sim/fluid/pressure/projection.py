@@ -14,17 +14,19 @@ minimum over q >= 0 of the energy dt^2 q.(-L q) / 2 - s.q. This module gives s, 
 Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D, there 1/alpha; eq. 9 to 12).
 """
 
+from typing import Any
+
 import numpy as np
 import taichi as ti
 
-from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
-from sim.fluid.boundary.gaps import relieved
+from sim.device.arrays import Declared, RealArray, Vec4Array, real, vec3, vec4
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, cubic_slope_host, lattice
-from sim.fluid.packed import DENSITY
+from sim.fluid.layout import DENSITY, Resolution, Samples, Walls
 from sim.fluid.system import FluidSystem
-from sim.neighbors.spatial_hash import itself, padded
+from sim.neighbors.spatial_hash import Neighbors, itself, padded
 
 ARRAYS = (
     Declared(
@@ -46,6 +48,19 @@ ARRAYS = (
     Declared("diagonal", "real", "D [kg^2/m^8]", sorted=False, saved=False),
     Declared("source", "real", "predicted compression s [kg/m^3]", sorted=False, saved=False),
 )
+
+Unknowns: Any = ti.types.argpack(
+    position=Vec4Array,
+    velocity=Vec4Array,
+    acceleration=Vec4Array,
+    pressure_acceleration=Vec4Array,
+    kept=Vec4Array,
+    search=Vec4Array,
+    solid=Vec4Array,
+    diagonal=RealArray,
+    source=RealArray,
+)
+"""Particles, and the arrays declared in ARRAYS."""
 
 SMALLEST_DIAGONAL = 1e-3
 """Under this share of a lattice's diagonal a particle has too few neighbours to be pushed."""
@@ -73,23 +88,19 @@ class Projection:
         Friction is that of `sim.fluid.forces.momentum`, for pairs at rest density.
         """
         system = self.system
-        particles = system.particles
+        particles, boundary = system.particles, system.boundary
         _prepare(
             system.count,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
-            self.smallest_diagonal,
-            particles.position,
-            particles.velocity,
-            particles.solid,
+            system.resolution,
+            particles.bundle(Unknowns),
             diagonal,
-            particles.diagonal,
+            self.smallest_diagonal,
             self.viscosity > 0,
             self.viscosity,
-            particles.pressure_acceleration,
-            *system.lists,
-            system.boundary.faces.share,
+            system.neighbors.lists,
+            boundary.sampled > 0,
+            boundary.near_samples,
+            boundary.faces.lists,
         )
 
     def predict(self, dt: float) -> None:
@@ -99,113 +110,91 @@ class Projection:
         """
         system = self.system
         particles, boundary = system.particles, system.boundary
-        system.meet(dt)
+        system.update_half_spaces(dt)
         _predict(
             system.count,
             dt,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
-            particles.position,
-            particles.velocity,
-            particles.solid,
-            particles.source,
-            *system.lists,
-            boundary.faces.share,
-            boundary.faces.excess,
+            system.resolution,
+            particles.bundle(Unknowns),
+            system.neighbors.lists,
+            boundary.sampled > 0,
+            boundary.near_samples,
+            boundary.faces.lists,
         )
 
 
 @ti.kernel
 def _prepare(
     count: ti.i32,
-    h: real,
-    mass: real,
-    rest_density: real,
-    smallest_diagonal: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    solid: Vec4Array,
+    fluid: Resolution,
+    p: Unknowns,
     has_diagonal: ti.template(),
-    diagonal: RealArray,
+    smallest_diagonal: real,
     has_viscosity: ti.template(),
     viscosity: real,
-    pressure_acceleration: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    solids: Vec4Array,
+    samples: Samples,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     slope_norm = norm * inverse_h * inverse_h
-    softening = SOFTENING * h * h
+    softening = SOFTENING * fluid.h * fluid.h
     for i in range(count):
-        x, v = position[i].xyz, velocity[i].xyz
-        near, squares = ti.cast(0.0, real), ti.cast(0.0, real)
+        x, v = p.position[i].xyz, p.velocity[i].xyz
+        total, squares = ti.cast(0.0, real), ti.cast(0.0, real)
         along, rub = vec3(0.0), vec3(0.0)
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            d = x - position[j].xyz
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
+            d = x - p.position[j].xyz
             r2 = d.dot(d)
             q = ti.sqrt(r2) * inverse_h
             slope = cubic_slope(q)
-            near += cubic(q)
+            total += cubic(q)
             if ti.static(has_diagonal):
                 squares += slope * slope * r2
                 along += slope * d
             if ti.static(has_viscosity):
-                rub += viscous(d.dot(v - velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
+                rub += viscous(d.dot(v - p.velocity[j].xyz), viscosity) / (r2 + softening) * slope * d
         if ti.static(has_viscosity):
-            pressure_acceleration[i].xyz = mass * slope_norm / rest_density * rub
-        density = mass * norm * (near + itself(size[i]))
-        share = solids[i]
+            p.pressure_acceleration[i].xyz = fluid.mass * slope_norm / fluid.rest_density * rub
+        density = fluid.mass * norm * (total + itself(near.size[i]))
+        share = walls.share[i]
         if ti.static(has_samples):
-            share += sheet_share(x, i, sample_size[i], sample_index, samples, inverse_h)
-        density += rest_density * share.w
-        gradient = rest_density * share.xyz
-        velocity[i][DENSITY] = density
-        solid[i] = vec4(gradient, rest_density * share.w)
+            share += sheet_share(x, i, samples, inverse_h)
+        density += fluid.rest_density * share.w
+        gradient = fluid.rest_density * share.xyz
+        p.velocity[i][DENSITY] = density
+        p.solid[i] = vec4(gradient, fluid.rest_density * share.w)
         if ti.static(has_diagonal):
-            whole = mass * slope_norm * along + gradient
-            d_ii = whole.dot(whole) + mass * mass * slope_norm * slope_norm * squares
-            diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
+            whole = fluid.mass * slope_norm * along + gradient
+            d_ii = whole.dot(whole) + fluid.mass * fluid.mass * slope_norm * slope_norm * squares
+            p.diagonal[i] = ti.select(d_ii > smallest_diagonal, 1.0 / d_ii, 0.0)
 
 
 @ti.kernel
 def _predict(
     count: ti.i32,
     dt: real,
-    h: real,
-    mass: real,
-    rest_density: real,
-    position: Vec4Array,
-    velocity: Vec4Array,
-    solid: Vec4Array,
-    source: RealArray,
-    size: IntArray,
-    index: IntTable,
+    fluid: Resolution,
+    p: Unknowns,
+    near: Neighbors,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    solids: Vec4Array,
-    excess: RealArray,
+    samples: Samples,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     for i in range(count):
-        x, v = position[i].xyz, velocity[i]
-        near = ti.cast(0.0, real)
-        for k in range(padded(size[i])):
-            j = index[i, k]
-            near += cubic((x - position[j].xyz + dt * (v.xyz - velocity[j].xyz)).norm() * inverse_h)
-        share = solids[i]
+        x, v = p.position[i].xyz, p.velocity[i]
+        total = ti.cast(0.0, real)
+        for k in range(padded(near.size[i])):
+            j = near.index[i, k]
+            total += cubic((x - p.position[j].xyz + dt * (v.xyz - p.velocity[j].xyz)).norm() * inverse_h)
+        share = walls.share[i]
         if ti.static(has_samples):
-            share += sheet_share(x + dt * v.xyz, i, sample_size[i], sample_index, samples, inverse_h)
-        density = mass * norm * (near + itself(size[i])) + rest_density * share.w
-        source[i] = relieved(density, rest_density, excess[i]) - rest_density
-        solid[i].xyz = rest_density * share.xyz
+            share += sheet_share(x + dt * v.xyz, i, samples, inverse_h)
+        density = fluid.mass * norm * (total + itself(near.size[i])) + fluid.rest_density * share.w
+        p.source[i] = pressing_density(density, fluid.rest_density, walls.excess[i]) - fluid.rest_density
+        p.solid[i].xyz = fluid.rest_density * share.xyz

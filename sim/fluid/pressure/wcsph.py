@@ -8,15 +8,15 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.device.arrays import Declared, IntArray, IntTable, RealArray, Vec4Array, real
-from sim.fluid.boundary.gaps import relieved
+from sim.device.arrays import Declared, Vec4Array, real
+from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.forces.momentum import Momentum
-from sim.fluid.forces.velocity_smoothing import Mixing
+from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.kernel import cubic, cubic_norm
-from sim.fluid.packed import DENSITY, VOLUME, Q
+from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.fluid.system import FluidSystem, Measure
 from sim.fluid.time_step_limits import force_limit, light_limit
-from sim.neighbors.spatial_hash import itself, padded
+from sim.neighbors.spatial_hash import Neighbors, itself, padded
 
 GAMMA = 7.0
 """Exponent of the equation of state of water (Cole 1948)."""
@@ -40,7 +40,7 @@ class Wcsph:
         self.artificial = 0.5 * spec.wcsph.artificial_viscosity * self.speed_of_sound * system.h
         damping = 0.5 * spec.wcsph.wall_damping * self.speed_of_sound * system.h
         self.momentum = Momentum(system, pressure=True, artificial=self.artificial, damping=damping)
-        self.mixing = Mixing(system)
+        self.smoothing = VelocitySmoothing(system)
 
     def step_limits(self, measure: Measure, cfl: float) -> dict[str, float]:
         """Largest stable time steps [s]: sound, and the forces (Monaghan 1992, sec. 10)."""
@@ -77,7 +77,7 @@ class Wcsph:
         if self.system.bodies:
             self.system.bodies.kick(dt, self.momentum)
         _kick(self.system.count, dt, particles.velocity, particles.acceleration)
-        stats |= self.mixing.mix(dt)
+        stats |= self.smoothing.smooth(dt)
         self.system.lead()
         return stats
 
@@ -87,15 +87,14 @@ class Wcsph:
         particles = system.particles
         _density(
             system.count,
-            system.h,
-            system.mass,
-            system.spec.rest_density,
+            system.resolution,
             self.stiffness,
             particles.position,
             particles.velocity,
-            *system.lists,
-            system.boundary.faces.share,
-            system.boundary.faces.excess,
+            system.neighbors.lists,
+            system.boundary.sampled > 0,
+            system.boundary.near_samples,
+            system.boundary.faces.lists,
         )
         self.momentum.accelerate()
 
@@ -117,38 +116,32 @@ def _kick(count: ti.i32, dt: real, velocity: Vec4Array, acceleration: Vec4Array)
 @ti.kernel
 def _density(
     count: ti.i32,
-    h: real,
-    mass: real,
-    rest_density: real,
+    fluid: Resolution,
     stiffness: real,
     position: Vec4Array,
     velocity: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
     has_samples: ti.template(),
-    samples: Vec4Array,
-    sample_size: IntArray,
-    sample_index: IntTable,
-    solids: Vec4Array,
-    excess: RealArray,
+    samples: Samples,
+    walls: Walls,
 ):
-    inverse_h = 1.0 / h
+    inverse_h = 1.0 / fluid.h
     norm = cubic_norm(inverse_h)
     for i in range(count):
         x = position[i].xyz
-        near = ti.cast(0.0, real)
-        for k in range(padded(size[i])):
-            near += cubic((x - position[index[i, k]].xyz).norm() * inverse_h)
+        total = ti.cast(0.0, real)
+        for k in range(padded(near.size[i])):
+            total += cubic((x - position[near.index[i, k]].xyz).norm() * inverse_h)
         # The padding repeats the particle itself, whose W h^3 pi / 8 is 1.
-        density = mass * norm * (near + itself(size[i]))
+        density = fluid.mass * norm * (total + itself(near.size[i]))
         if ti.static(has_samples):
             solid = ti.cast(0.0, real)
-            for k in range(sample_size[i]):
-                b = samples[sample_index[i, k]]
+            for k in range(samples.size[i]):
+                b = samples.sample[samples.index[i, k]]
                 solid += b[VOLUME] * cubic((x - b.xyz).norm() * inverse_h)
-            density += rest_density * norm * solid
-        density += rest_density * solids[i].w
-        ratio = relieved(density, rest_density, excess[i]) / rest_density
+            density += fluid.rest_density * norm * solid
+        density += fluid.rest_density * walls.share[i].w
+        ratio = pressing_density(density, fluid.rest_density, walls.excess[i]) / fluid.rest_density
         ratio2 = ratio * ratio
         # Becker & Teschner 2007, eq. 7
         pressure = ti.max(stiffness * (ratio2 * ratio2 * ratio2 * ratio - 1.0), 0.0)

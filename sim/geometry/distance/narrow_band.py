@@ -23,7 +23,8 @@ OPPOSITE = -0.5
 
 TURNED = 0.5
 """The same beyond which what a node sees does not count in the mean about a point before a hollow edge. Faces that are
-turned less are two (`sim.fluid.boundary.fronts.BENT`), but with that cosine shares jump twice as often beside edges."""
+turned less are two (`sim.fluid.boundary.mesh_half_spaces.BENT`), but with that cosine shares jump twice as often beside
+edges."""
 
 
 @dataclass(frozen=True)

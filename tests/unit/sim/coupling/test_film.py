@@ -38,7 +38,7 @@ def test_elements_of_flat_faces_lie_on_them(name):
     assert points[bottom, 1] == pytest.approx(np.full(bottom.sum(), mesh.bounds[0, 1]), abs=1e-12)
 
 
-def films(body: dict, pressure, water: dict | None = None, raised: float = 0.0) -> np.ndarray:
+def lubrication_wrenches(body: dict, pressure, water: dict | None = None, raised: float = 0.0) -> np.ndarray:
     """Force [N] and torque [N m] of films on a body of a pool, or of other `water` in its tank.
 
     pressure: of particles [Pa], by their positions [m]; raised: by how much the body has come up [m] while particles
@@ -87,7 +87,7 @@ def falling_away(position: np.ndarray) -> np.ndarray:
 
 def test_the_whole_bottom_is_under_pressure():
     """p A up, at the depth of the ground."""
-    lift = films({"shape": BOX, "position": [0, 0.06, 0]}, at_rest)
+    lift = lubrication_wrenches({"shape": BOX, "position": [0, 0.06, 0]}, at_rest)
     assert lift[:3] == pytest.approx([0, RHO * G * 0.3 * BOTTOM, 0], abs=0.03 * RHO * G * 0.3 * BOTTOM)
     assert np.abs(lift[3:]).max() < 0.01 * lift[1] * 0.1
 
@@ -95,13 +95,13 @@ def test_the_whole_bottom_is_under_pressure():
 @pytest.mark.parametrize("gap", [0.5, 1.0, 1.5])
 def test_what_comes_up_faster_than_particles_follow_is_pressed_on_as_before(gap):
     """Water there has no particles yet, so many spacings high, but is no void."""
-    lift = films({"shape": BOX, "position": [0, 0.06, 0]}, at_rest, raised=0.02 * gap)
+    lift = lubrication_wrenches({"shape": BOX, "position": [0, 0.06, 0]}, at_rest, raised=0.02 * gap)
     assert lift[1] == pytest.approx(RHO * G * (0.3 - 0.02 * gap) * BOTTOM, rel=0.03)
 
 
 def test_pressure_that_falls_along_the_bottom_turns_the_body():
     """p = p0 + s x, which is harmonic: the torque of a rectangle is s L^3 W / 12 about z."""
-    level = films({"shape": BOX, "position": [0, 0.06, 0]}, falling_away)
+    level = lubrication_wrenches({"shape": BOX, "position": [0, 0.06, 0]}, falling_away)
     assert level[1] == pytest.approx(RHO * G * 0.3 * BOTTOM, rel=0.03)
     assert level[5] == pytest.approx(2000.0 * 0.24**3 * 0.2 / 12, rel=0.2)
 
@@ -113,7 +113,7 @@ def test_a_film_is_dry_where_no_water_comes(apart):
     water = {"shape": {"type": "box", "size": [0.16, 0.3, 0.2]}, "position": [-0.2 - apart, 0.15, 0]}
     n = np.arange(1, 99, 2)
     share = (8 * 0.2 / (0.24 * n**3 * np.pi**3) * np.tanh(n * np.pi * 0.24 / (2 * 0.2))).sum()
-    lift = films({"shape": BOX, "position": [0, 0.06, 0]}, even, water)[1]
+    lift = lubrication_wrenches({"shape": BOX, "position": [0, 0.06, 0]}, even, water)[1]
     assert lift == pytest.approx(0.0 if apart else share * 3000 * BOTTOM, rel=0.3)
 
 
@@ -122,10 +122,10 @@ def test_a_wall_does_not_hold_what_touches_it(gap):
     """A film between wall and body presses on its side as the fluid does on the other; further off there are
     particles."""
     side = 0.12 * 0.2
-    push = films({"shape": BOX, "position": [0.18 - gap * 0.02, 0.2, 0]}, even)
+    push = lubrication_wrenches({"shape": BOX, "position": [0.18 - gap * 0.02, 0.2, 0]}, even)
     assert push[0] == pytest.approx(-3000.0 * side if gap < 1 else 0.0, rel=0.03, abs=1e-9)
 
 
 def test_nothing_but_the_film_is_pressed_on():
     """In the open there is none."""
-    assert not films({"shape": BOX, "position": [0, 0.16, 0]}, even).any()
+    assert not lubrication_wrenches({"shape": BOX, "position": [0, 0.16, 0]}, even).any()

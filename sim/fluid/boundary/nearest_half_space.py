@@ -8,12 +8,12 @@ nothing else the half-space goes on as it was.
 
 import taichi as ti
 
-from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.arrays import real, vec4
 from sim.device.double import vec3 as vec3d
 from sim.device.double import vec4 as vec4d
 from sim.fluid.boundary.band import FAR, on_band
 from sim.fluid.boundary.curvature import curvature_of, shift_of
-from sim.fluid.boundary.fronts import front_at, fronts
+from sim.fluid.boundary.mesh_half_spaces import mesh_half_space, mesh_half_spaces
 from sim.geometry.distance.narrow_band import OPPOSITE
 from sim.geometry.distance.sdf import (
     BOX,
@@ -36,86 +36,43 @@ CURVED = sum(1 << kind for kind in (SPHERE, BOX, CAPSULE, CYLINDER, TORUS))
 
 
 @ti.func
-def to_own(s: ti.i32, x: vec3, pose: DoubleTable) -> vec3d:
-    """A point in the frame of a solid."""
-    d = vec3d(0.0)
-    for row in ti.static(range(3)):
-        d[row] = ti.cast(x[row], ti.f64) - pose[s, 9 + row]
-    own = vec3d(0.0)
-    for column in ti.static(range(3)):
-        for row in ti.static(range(3)):
-            own[column] += pose[s, 3 * row + column] * d[row]
-    return own
-
-
-@ti.func
-def to_world(s: ti.i32, n: vec3, pose: DoubleTable) -> vec3:
-    """A direction in the frame of a solid, in that of the fluid."""
-    turned = vec3(0.0)
-    for row in ti.static(range(3)):
-        for column in ti.static(range(3)):
-            turned[row] += ti.cast(pose[s, 3 * row + column], real) * n[column]
-    return turned
-
-
-@ti.func
-def surface_velocity(s: ti.i32, x: vec3, pose: DoubleTable) -> vec3:
-    """Of a solid, as far as its motion would take it at x [m/s]."""
-    arm, speed, turning = vec3(0.0), vec3(0.0), vec3(0.0)
-    for axis in ti.static(range(3)):
-        arm[axis] = x[axis] - ti.cast(pose[s, 18 + axis], real)
-        speed[axis] = ti.cast(pose[s, 12 + axis], real)
-        turning[axis] = ti.cast(pose[s, 15 + axis], real)
-    return speed + turning.cross(arm)
-
-
-@ti.func
-def look(
+def nearest_half_space(
     s: ti.i32,
     p: vec3d,
     near: vec4,
     hollow: bool,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
-    bend: RealArray,
+    solids: ti.template(),
 ) -> vec4:
     """Unit normal and distance [m] of a solid at p, both in its own frame; `near`: normal and offset there of the
     half-space that it was before; kinds: a bit for each kind that there is."""
     found = vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
             if near.w < FAR:
-                found = on_band(s, p, size[s].w, near, hollow, shift, frame, lattice, table, nodes, bend)
+                found = on_band(s, p, solids.size[s].w, near, hollow, solids)
     else:
-        found = on_form(s, p, kind, size, shift, kinds)
-        if kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
+        found = on_shape(s, p, kinds, solids)
+        if solids.kind[s] != PLANE and found.xyz.dot(near.xyz) < OPPOSITE:
             found = plane_of(near, p)
     return found
 
 
 @ti.func
-def on_form(
+def on_shape(
     s: ti.i32,
     p: vec3d,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
+    solids: ti.template(),
 ) -> vec4:
     """Unit normal and distance [m] of a plane or primitive at p, on whichever side that is."""
     found = vec4(0.0, 1.0, 0.0, FAR)
     if ti.static(kinds >> PLANE & 1):
-        if kind[s] == PLANE:
+        if solids.kind[s] == PLANE:
             found = ti.cast(distance_to_plane(p), real)
     if ti.static(kinds & CURVED):
-        if kind[s] != PLANE and kind[s] != GRID:
-            found = on_primitive(kind[s], p, size[s], kinds, shift)
+        if solids.kind[s] != PLANE and solids.kind[s] != GRID:
+            found = on_primitive(solids.kind[s], p, solids.size[s], kinds, solids.shift)
     return found
 
 
@@ -124,23 +81,17 @@ def half_spaces(
     s: ti.i32,
     p: vec3d,
     reach: real,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
+    solids: ti.template(),
 ):
     """Normals and offsets of up to three half-spaces that a solid is to p within `reach` [m], whatever it was before;
     FAR where it is none."""
     first, second, third = vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR), vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            first, second, third = fronts(s, p, size[s].w, reach, frame, lattice, table, nodes)
+            first, second, third = mesh_half_spaces(s, p, solids.size[s].w, reach, solids)
     else:
-        first = plane_of(on_form(s, p, kind, size, shift, kinds), p)
+        first = plane_of(on_shape(s, p, kinds, solids), p)
     return first, second, third
 
 
@@ -148,22 +99,16 @@ def half_spaces(
 def half_space(
     s: ti.i32,
     p: vec3d,
-    kind: IntArray,
-    size: Vec4Array,
-    shift: ti.types.vector(2, real),
     kinds: ti.template(),
-    frame: DoubleTable,
-    lattice: IntTable,
-    table: IntArray,
-    nodes: Vec4Array,
+    solids: ti.template(),
 ) -> vec4:
     """The one of them that tells which side of the surface p is on."""
     found = vec4(0.0, 1.0, 0.0, FAR)
-    if kind[s] == GRID:
+    if solids.kind[s] == GRID:
         if ti.static(kinds >> GRID & 1):
-            found = front_at(s, p, size[s].w, frame, lattice, table, nodes)[0]
+            found = mesh_half_space(s, p, solids.size[s].w, solids)[0]
     else:
-        found = plane_of(on_form(s, p, kind, size, shift, kinds), p)
+        found = plane_of(on_shape(s, p, kinds, solids), p)
     return found
 
 

@@ -1,0 +1,17 @@
+"""A kernel for `test_argument_packs.py`: it cannot be in a file with postponed annotations."""
+
+import taichi as ti
+
+Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)
+Whole = ti.types.ndarray(dtype=ti.i32, ndim=1)
+One = ti.types.argpack(factor=ti.f64, size=Whole, value=Numbers)
+Other = ti.types.argpack(value=Numbers, factor=ti.f64, size=Whole)
+
+
+@ti.kernel
+def combine(one: One, same: One, other: Other, out: Numbers):
+    """Write factor value size of all three, in digits of their own."""
+    for i in range(out.shape[0]):
+        value = one.factor * one.value[i] * one.size[i]
+        value += 10.0 * same.factor * same.value[i] * same.size[i]
+        out[i] = value + 100.0 * other.factor * other.value[i] * other.size[i]
