@@ -1,11 +1,11 @@
 #!/bin/sh
-# Makes .venv with all that Tidemill needs. PYTHON names the interpreter, Python 3.11.
+# Makes .venv with everything that Tidemill needs. PYTHON names the interpreter, Python 3.11.
 set -eu
 cd "$(dirname "$0")"
 
 python=${PYTHON:-python3.11}
 if ! "$python" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; then
-    echo "Tidemill needs Python 3.11 (Blender's package exists for no other): install it, or run" >&2
+    echo "Tidemill needs Python 3.11 (Blender's package exists for no other version): install it, or run" >&2
     echo "  PYTHON=/path/to/python3.11 ./setup.sh" >&2
     exit 1
 fi
@@ -20,7 +20,7 @@ if ! .venv/bin/python -c 'import bpy' >/dev/null 2>&1; then
         # shellcheck disable=SC2086
         apt-get install -qq --yes --no-install-recommends $libraries >/dev/null
     else
-        echo "Blender needs libraries of the system. On Debian and Ubuntu:" >&2
+        echo "Blender needs system libraries. On Debian and Ubuntu:" >&2
         echo "  sudo apt-get install $libraries" >&2
         exit 1
     fi

@@ -40,16 +40,16 @@ class SceneFile(SimulationSpec):
     """A scene: what is simulated, how its surface is found, how it is rendered."""
 
     description: str = ""
-    """What is seen, in a sentence."""
+    """What the scene shows, in a sentence."""
     duration: Annotated[PositiveDuration, Le(3600)]
     """Simulated time [s]."""
     quality: Quality = "standard"
-    """The preset used when none is asked for."""
+    """The preset that applies when none is requested."""
     presets: Annotated[dict[Quality, dict[str, Any]], Field(default_factory=dict)]
     """Settings that override the scene's own, by preset."""
     surface: SurfaceSpec = Field(default_factory=SurfaceSpec)
     foam: FoamSpec | None = None
-    """Foam, spray and air bubbles that the fluid makes; without it, none: `foam: {}` is all defaults."""
+    """Foam, spray and air bubbles of the fluid; none if left out, `foam: {}` for all defaults."""
     render: RenderSpec = Field(default_factory=RenderSpec)
     film: FilmSpec = Field(default_factory=FilmSpec)
     wedge: dict[str, Annotated[tuple[Any, ...], Len(1, 1000)]] = {}

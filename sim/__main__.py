@@ -45,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
     run = commands.add_parser("run", help="simulate a scene file")
     live = commands.add_parser("live", help="play a scene in a browser, and change it while it runs")
     for command in (check, explain, run, live):
-        command.add_argument("scene", type=Path, help="scene file, as scenes/bunny.yaml")
+        command.add_argument("scene", type=Path, help="scene file, such as scenes/bunny.yaml")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
     explain.add_argument(

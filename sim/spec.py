@@ -28,7 +28,7 @@ CFL_OF_IISPH = 0.3
 
 
 class BoxContainer(Contact):
-    """Walls around a cuboid. A closed side goes on without end beyond the cuboid."""
+    """Walls around a cuboid. A closed side extends infinitely beyond the cuboid."""
 
     type: Literal["box"]
     size: Extents
@@ -59,8 +59,8 @@ class TimeStep(Settings):
     """How the time step is chosen."""
 
     cfl: Annotated[Dimensionless, Gt(0), Le(1)] = 0.4
-    """Largest way of the fastest signal in one step, over half the support radius; 0.3 where the scene leaves it out
-    and the solver is IISPH, which is the first to break in an impact."""
+    """Largest distance that the fastest signal may travel in one step, over half the support radius; 0.3 where the
+    scene leaves it out and the solver is IISPH, which is the first to break in an impact."""
     maximum: PositiveDuration | None = None
     """Never longer than this [s]."""
     fixed: PositiveDuration | None = None
@@ -74,7 +74,7 @@ class TimeStep(Settings):
 
 
 class Addition(Settings):
-    """What an event brings in."""
+    """What an event adds."""
 
     fluid: dict[Name, FluidBody] = {}
     emitters: dict[Name, Emitter] = {}
@@ -92,10 +92,10 @@ class Event(Settings):
     """A change of the scene at a time."""
 
     at: Duration
-    """When [s]; what happens at the time of a frame is first seen in the frame after."""
+    """Time [s]; an event at the time of a frame is first seen in the next frame."""
     add: Addition = Addition()
     remove: tuple[Name, ...] = ()
-    """Names of bodies, emitters, drains, sheets or containers that vanish; what an emitter has sent stays."""
+    """Names of bodies, emitters, drains, sheets or containers to remove; fluid already emitted stays."""
     set: dict[str, Any] = {}
     """New values by dotted path, as `fluid.viscosity: 0.01` or `gravity: [0, 0, 0]`."""
 
@@ -114,9 +114,9 @@ class SimulationSpec(Settings):
     gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, -9.81, 0.0)
     step: TimeStep = TimeStep()
     precision: Literal["single", "double"] = "single"
-    """Precision of the computation; files hold single precision. Double is slower, for studies."""
+    """Precision of the computation; files are in single precision. Double is slower, and meant for studies."""
     containers: dict[Name, Container] = {}
-    """Walls that hold what is inside them."""
+    """Walls that enclose their contents."""
     fluid: Fluid | None = None
     rigid: Rigid | None = None
     cloth: Cloth | None = None

@@ -210,12 +210,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.preview", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scene", help="name of a scene, as bunny, or its file")
-    parser.add_argument("--frame", type=int, metavar="N", help="default: the last that there is")
+    parser.add_argument("scene", help="name of a scene, such as bunny, or its file")
+    parser.add_argument("--frame", type=int, metavar="N", help="default: the last one available")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--simulation", type=Path, metavar="DIR", help="what `python -m sim run` left, not a film's")
     parser.add_argument("--particles", action="store_true", help="draw particles also where there is a surface")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="the picture, as frame.png")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="the picture, such as frame.png")
     options = parser.parse_args(arguments)
     try:
         path = Path(options.scene)

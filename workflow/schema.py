@@ -90,8 +90,8 @@ def markdown() -> str:
         "# Settings of a scene file",
         "",
         "Made by `python -m workflow.schema --markdown`; [scenes.md](scenes.md) explains how to use them.",
-        "A unit means: a plain number is in this unit, and a quantity in any unit of that kind, as `10 mm`, is",
-        "converted. *required* marks what has no default.",
+        "A plain number is in the unit shown; a quantity in another unit of the same kind, such as `10 mm`, is",
+        "converted. *required* marks settings without a default.",
     ]
     for name in ["", *_reached(whole)]:
         node = definitions[name] if name else whole

@@ -1,10 +1,10 @@
-"""How far a film is: which stage, which frames, how much time is left, and the last picture.
+"""Progress of a film: stage, frames, time left, and the last picture.
 
     python -m workflow.status bunny              once
     python -m workflow.status bunny --watch      until the film is there
 
-It reads what the jobs leave on the disk, so it works beside a run of Snakemake, from another machine that shares the
-disk too. The time left follows from what finished parts took, and from how many parts are being made.
+It reads what the jobs leave on disk, so it works during a run of Snakemake, also from another machine that shares the
+disk. The time left follows from what finished parts took, and from how many parts are in progress.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.status", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scene", help="name of a scene, as bunny")
+    parser.add_argument("scene", help="name of a scene, such as bunny")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--watch", action="store_true", help="go on until the film is there")
     options = parser.parse_args(arguments)

@@ -37,27 +37,28 @@ Side = Literal["corners", "left", "right", "front", "back"]
 
 
 class PinKeyframe(Settings):
-    """Where pinned points are at one time; they move straight and turn evenly to the next, the shorter way round."""
+    """Pose of pinned points at one time; they move to the next in a straight line and at a constant rate of
+    rotation, the shorter way round."""
 
     at: Duration
     """Simulated time [s]."""
     offset: Position = (0.0, 0.0, 0.0)
-    """From where the points were placed [m]."""
+    """Displacement from where the points were placed [m]."""
     rotation: tuple[Rotation, ...] = ()
-    """Turns about the middle of the points, applied in the order given."""
+    """Rotations about the centre of the points, applied in the order given."""
 
 
 class Pin(Settings):
-    """Mass points that are held, or led."""
+    """Mass points that are held or moved."""
 
     at: Side | tuple[Position, ...]
-    """A side or the corners of a sheet; or places, of which each pins the mass point that is placed next to it."""
+    """A side or the corners of a sheet; or positions, each of which pins the nearest mass point as placed."""
     keyframes: tuple[PinKeyframe, ...] = ()
-    """Where the points are led, sorted by time; they are at rest before the first and after the last."""
+    """Path of the points, sorted by time; they are at rest before the first and after the last."""
     velocity: Velocity = (0.0, 0.0, 0.0)
-    """Without keyframes, that of the middle of the points, for ever [m/s]."""
+    """Without keyframes, constant velocity of the centre of the points [m/s]."""
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
-    """Likewise, about that middle [rad/s]."""
+    """Likewise, about that centre [rad/s]."""
 
     @model_validator(mode="after")
     def _is_led_one_way(self) -> Self:
@@ -70,36 +71,39 @@ class Pin(Settings):
 
 
 class ClothSheet(Placement):
-    """One piece of cloth: masses at points, springs between them."""
+    """One piece of cloth: point masses with springs between them."""
 
     shape: ClothShape
     spacing: PositiveLength | None = None
-    """Distance of neighbouring mass points of a sheet [m], rounded so that both sides divide; by default a fortieth of
-    the longer side. A mesh brings points of its own."""
+    """Distance of neighbouring mass points of a sheet [m], rounded so that it divides both sides; by default a
+    fortieth of the longer side. A mesh has its own points."""
     mass_per_area: AreaDensity = 0.2
     stretch_stiffness: Stiffness = 1000.0
-    """Force per width and strain [N/m] of a strip that is pulled along its threads, whatever the resolution."""
+    """Force per width and strain [N/m] of a strip pulled along its threads, at any resolution."""
     shear_stiffness: ShearStiffness | None = None
-    """Force per width and angle [N/m] of a sheet; by default half of the other. A mesh of equal triangles has 3/8."""
+    """Force per width and angle [N/m] of a sheet; by default half of `stretch_stiffness`. A mesh of equal triangles
+    has 3/8."""
     bend_stiffness: BendStiffness = 1e-4
     """Moment per width and curvature [N m]."""
     bend_model: Literal["dihedral", "springs"] = "dihedral"
-    """Angles between triangles; or springs to the points next but one, which do not resist while the cloth is flat."""
+    """Angles between triangles; or springs to the next-but-one points, which have no resistance while the cloth is
+    flat."""
     damping: Ratio = 0.02
-    """Of each spring with the two masses at its ends, over what just keeps them from swinging."""
+    """Damping ratio of each spring with the two masses at its ends: 1 is critical."""
     bend_damping: Ratio = 0.02
-    """The same of bending."""
+    """The same for bending."""
     rest_scale: Annotated[Dimensionless, Ge(0), Le(100)] = 1.0
-    """Lengths at rest over those as placed: above 1 the cloth begins loose, below 1 taut."""
+    """Rest lengths over the lengths as placed: above 1 the cloth starts loose, below 1 taut."""
     thickness: PositiveLength = 0.002
-    """Distance of its middle from that of another cloth that lies on it; half of it from solids [m]. What is nearer at
-    rest than twice that may come as near as half of that distance, so that cloth finer than it is thick bends."""
+    """Distance of its mid-surface from that of another cloth that lies on it; half of it from solids [m]. Points
+    closer than twice that at rest may approach to half of their rest distance, so that cloth finer than it is thick
+    can bend."""
     friction: Friction = 0.3
-    """Coefficient of Coulomb friction while sliding; of two surfaces the geometric mean counts."""
+    """Coefficient of Coulomb friction while sliding; a contact uses the geometric mean of both surfaces."""
     static_friction: Friction | None = None
-    """The coefficient at rest, at least that while sliding; without it, the same."""
+    """The coefficient at rest, at least that while sliding, which is the default."""
     pins: tuple[Side | Pin, ...] = ()
-    """Mass points that are held or led; an event may release them by setting other pins."""
+    """Mass points that are held or moved; an event may release them by setting other pins."""
     velocity: Velocity = (0.0, 0.0, 0.0)
 
     @property
@@ -122,33 +126,33 @@ class ClothSheet(Placement):
 
 
 class Air(Settings):
-    """Air around the cloth, which drags on it."""
+    """Air around the cloth, which exerts drag on it."""
 
     density: Density = 1.2
     wind: Velocity = (0.0, 0.0, 0.0)
     drag: Coefficient = 1.3
-    """Of what moves across the cloth: force over density/2 * area * speed^2."""
+    """Drag coefficient of flow across the cloth: force over density/2 * area * speed^2."""
     skin_friction: Coefficient = 0.02
-    """Likewise of what moves along it, both faces together."""
+    """Likewise of flow along it, both faces together."""
 
 
 class ImplicitEuler(Settings):
     """Newton's method and conjugate gradients."""
 
     velocity_error: PositiveSpeed = 0.01
-    """Newton's method ends when no velocity changes by more than this [m/s], and forces are balanced."""
+    """Newton's method ends once no velocity changes by more than this [m/s], and forces are balanced."""
     force_error: Annotated[Dimensionless, Gt(0), Le(50)] = 1e-2
-    """Forces are balanced when what is left of them is, on average, this share of those that accelerate the cloth in
-    the step, or of its weight. With 10, most steps are one linear solution or two."""
+    """Forces are balanced when their residual is, on average, this share of those that accelerate the cloth in the
+    step, or of its weight. With 10, most steps take one or two linear solves."""
     max_newton: Annotated[int, Ge(1), Le(1000)] = 20
     linear_error: Annotated[Dimensionless, Gt(0), Le(0.5)] = 0.03
-    """Of each linear system: residual over the first one."""
+    """Of each linear system: residual over the initial one."""
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 1000
-    """Of conjugate gradients in each of Newton's steps."""
+    """Of conjugate gradients in each Newton step."""
 
 
 class SymplecticEuler(Settings):
-    """Explicit steps, as many as stability asks for."""
+    """Explicit steps, as many as stability requires."""
 
     share: Annotated[Dimensionless, Gt(0), Le(1)] = 0.69
     """Length of a step over the longest stable one."""
@@ -171,7 +175,7 @@ class Cloth(Settings):
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.005
     """Longest time step of a scene with cloth [s]."""
     air: Air | None = None
-    """Without it, the cloth is in a vacuum."""
+    """Without air, the cloth is in a vacuum."""
     implicit_euler: ImplicitEuler = ImplicitEuler()
     symplectic_euler: SymplecticEuler = SymplecticEuler()
     xpbd: XPBD = XPBD()

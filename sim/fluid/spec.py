@@ -36,16 +36,16 @@ class FluidBody(Placement):
 
     shape: ClosedShape
     packing: Literal["auto", "lattice", "relaxed"] = "auto"
-    """How particles begin: on the cubic `lattice`, which is at rest in a tank, or `relaxed`, without order as in a
-    fluid that has flowed, which keeps its volume in whatever direction it is drawn out. `auto` takes the lattice for
-    boxes and cylinders."""
+    """Initial arrangement of particles: the cubic `lattice`, which is at rest in a tank, or `relaxed`, without order
+    as in a fluid that has flowed, which keeps its volume in whatever direction it is stretched. `auto` uses the
+    lattice for boxes and cylinders."""
     velocity: Velocity = (0.0, 0.0, 0.0)
-    """Initial velocity at `position` [m/s]: of every particle, where there is no other setting of velocities."""
+    """Initial velocity at `position` [m/s], and of every particle unless another setting adds to it."""
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
-    """Initial spin about `position` [rad/s]: adds omega x (x - position) to the velocity."""
+    """Initial angular velocity about `position` [rad/s]: adds omega x (x - position) to the velocity."""
     velocity_gradient: VelocityGradient = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    """Initial gradient G [1/s], three rows: adds G (x - position) to the velocity, in the world's axes. The sum of the
-    diagonal is zero, since the fluid keeps its volume."""
+    """Initial velocity gradient G [1/s], three rows: adds G (x - position) to the velocity, in world axes. Its trace
+    is zero, since the fluid is incompressible."""
 
     @model_validator(mode="after")
     def _keeps_volume(self) -> Self:
@@ -78,9 +78,9 @@ class Timed(Placement):
     """What works for a part of the time."""
 
     start: Duration = 0.0
-    """When it begins [s]."""
+    """Start time [s]."""
     stop: PositiveDuration | None = None
-    """When it ends [s]; without it, never."""
+    """End time [s]; never by default."""
 
     @model_validator(mode="after")
     def _starts_before_it_stops(self) -> Self:
@@ -92,17 +92,17 @@ class Timed(Placement):
 
 
 class Emitter(Timed):
-    """An outlet through which fluid comes in, along the shape's own y axis as it is turned.
+    """An outlet that emits fluid along the shape's own, rotated y axis.
 
     Exactly one of speed and rate is given. The fluid moves straight on at this speed for one support radius, as in a
-    nozzle of that length, and is free from there.
+    nozzle of that length, and is then free.
     """
 
     shape: Annotated[Disc | Rectangle | MeshFace, Field(discriminator="type")]
     speed: PositiveSpeed | None = None
     """Speed of the fluid [m/s]."""
     rate: VolumeRate | None = None
-    """Volume that comes in per second [m^3/s]; the speed follows from it and the area that the particles cover."""
+    """Volume emitted per second [m^3/s]; the speed follows from it and the area that the particles cover."""
 
     @model_validator(mode="after")
     def _speed_or_rate(self) -> Self:
@@ -122,24 +122,24 @@ class Wcsph(Settings):
     """Settings of the weakly compressible solver (Becker & Teschner 2007)."""
 
     speed_of_sound: Literal["auto"] | PositiveSpeed = "auto"
-    """Numerical speed of sound [m/s]. `auto` takes ten times the greatest speed that the scene's
-    drop height and initial velocities allow, for about 1 % compression."""
+    """Numerical speed of sound [m/s]. `auto` uses ten times the greatest speed that the scene's drop height and
+    initial velocities allow, for about 1 % compression."""
     artificial_viscosity: Annotated[Dimensionless, Ge(0), Le(1)] = 0.05
-    """Coefficient alpha of Monaghan 1992; damps the sound waves that compressibility brings."""
+    """Coefficient alpha of Monaghan 1992; damps the sound waves that compressibility causes."""
     wall_damping: Annotated[Dimensionless, Ge(0), Le(2)] = 1.0
-    """The same coefficient for what runs into a solid: 0 makes drops bounce off, 1 makes them stay."""
+    """The same coefficient for fluid that runs into a solid: with 0 drops bounce off, with 1 they stay."""
 
 
 class Incompressible(Settings):
-    """Settings of a solver that looks for the pressures under which the fluid keeps its volume."""
+    """Settings of a solver for the pressures under which the fluid keeps its volume."""
 
     density_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
-    """Mean compression that a step may leave, as a share of the rest density: 0.0001 is 0.01 %, at which water comes to
-    rest; 0.0005 is faster and does for a splash."""
+    """Mean compression that a step may leave, as a share of the rest density: 0.0001 is 0.01 %, at which water comes
+    to rest; 0.0005 is faster and sufficient for a splash."""
     min_iterations: Annotated[int, Ge(1), Le(1000)] = 2
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 100
-    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json. Fluid deeper
-    than 25 layers of particles may take as many more as it is deeper."""
+    """Iterations after which a step continues with a larger error; such steps are counted in summary.json. In fluid
+    deeper than 25 layers of particles, the cap rises in proportion to the depth."""
 
     @model_validator(mode="after")
     def _least_below_most(self) -> Self:
@@ -159,30 +159,31 @@ class Pcisph(Incompressible):
 
 
 class Dfsph(Incompressible):
-    """Settings of divergence-free SPH (Bender & Koschier 2017): a step solves for velocities that compress nothing, and
-    for densities that are no higher than at rest."""
+    """Settings of divergence-free SPH (Bender & Koschier 2017): a step solves for divergence-free velocities, and
+    for densities no higher than at rest."""
 
     iteration: Literal["conjugate_gradients", "jacobi"] = "conjugate_gradients"
     """How pressures are found. By default both solves use projected conjugate gradients: the one for velocities has
-    gradients that are right however particles lie, the one for densities moves particles apart without giving them
-    velocities. `jacobi` is DFSPH as published: Jacobi iterations with the factor alpha, no gradients corrected, both
-    solves change velocities. It is there for comparison, and not for scenes with cloth or bodies that obey forces."""
+    gradients that are right for any arrangement of particles, the one for densities moves particles apart without
+    giving them velocities. `jacobi` is DFSPH as published: Jacobi iterations with the factor alpha, uncorrected
+    gradients, and both solves changing velocities. It is there for comparison, and not for scenes with cloth or
+    dynamic bodies."""
     divergence_error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.0001
-    """Mean compression in one step by the velocities after it, as a share of the rest density; by conjugate gradients
-    a tenth of it where there are bodies; less by as much as the fluid is deeper than 25 layers of particles."""
+    """Mean compression in one step by the velocities after it, as a share of the rest density; conjugate gradients
+    use a tenth of it where there are bodies; in fluid N > 25 layers deep it is divided by N / 25."""
     hyperviscosity: Annotated[Dimensionless, Ge(0), Le(100)] = 3.0
-    """Of conjugate gradients: rate at which differences of velocity between neighbours fade that no smooth flow has,
-    over sqrt(g / spacing). 0 lets particles at rest tremble, more than the default slows what is only some spacings
-    large."""
+    """For conjugate gradients: decay rate of velocity differences between neighbours that do not belong to a smooth
+    flow, over sqrt(g / spacing). With 0, particles at rest jitter; more than the default slows features of only a
+    few spacings."""
 
 
 class ImplicitViscosity(Settings):
     """Settings of implicit viscosity (Weiler et al. 2018)."""
 
     error: Annotated[Dimensionless, Gt(0), Le(0.1)] = 0.001
-    """Error that a step may leave in what viscosity changes of the velocities, as a share of it."""
+    """Relative error that a step may leave in the change of velocities by viscosity."""
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 200
-    """Iterations after which a step goes on with a larger error; such steps are counted in summary.json."""
+    """Iterations after which a step continues with a larger error; such steps are counted in summary.json."""
 
 
 class Fluid(Settings):
@@ -191,9 +192,9 @@ class Fluid(Settings):
     particle_radius: Annotated[PositiveLength, Le(10.0)]
     """Half the spacing of the particles [m]: halving it costs about 16 times the time."""
     bodies: dict[Name, FluidBody] = {}
-    """The volumes that hold fluid at the start, by name; events may add more."""
+    """Volumes filled with fluid at the start, by name; events may add more."""
     emitters: dict[Name, Emitter] = {}
-    """Outlets through which fluid comes in, by name."""
+    """Outlets that emit fluid, by name."""
     drains: dict[Name, Drain] = {}
     """Volumes in which fluid vanishes, by name."""
     solver: Literal[(*SOLVERS, *names("solvers"))] = "wcsph"
@@ -206,20 +207,19 @@ class Fluid(Settings):
     """Whether solids slow the fluid along their surface: with `no_slip` it sticks to them, in proportion to
     `viscosity`."""
     viscosity_solver: Literal["auto", "explicit", "implicit"] = "auto"
-    """How viscosity acts: `explicit` in steps that it limits, `implicit` by a system of equations in each step, and
-    `auto` implicitly where explicit viscosity would limit the step more than all else."""
+    """How viscosity is integrated: `explicit`, which limits the step; `implicit`, a linear system in each step; or
+    `auto`, implicit where explicit viscosity would limit the step more than anything else."""
     implicit_viscosity: ImplicitViscosity = ImplicitViscosity()
     xsph: Annotated[Dimensionless, Ge(0), Le(1)] = 0.0
-    """Share of the mean velocity of its neighbours that each particle takes over in every step (Monaghan 1989): hides
+    """Share of its neighbours' mean velocity that each particle takes on in every step (Monaghan 1989): smooths
     disorder, and slows the flow."""
     surface_tension: SurfaceTension = 0.0
     """Coefficient of surface tension [N/m]: water in air 0.072."""
     surface_tension_model: Literal["becker2007", "akinci2013"] = "becker2007"
-    """Attraction of neighbours (Becker & Teschner 2007), or cohesion that keeps its distance and a pull towards a
-    smaller surface (Akinci et al. 2013a)."""
+    """Attraction between neighbours (Becker & Teschner 2007), or cohesion that repels at close range and a force
+    that minimises the surface (Akinci et al. 2013a)."""
     adhesion: SurfaceTension = 0.0
-    """Work that it takes to part the fluid from solids, per area [N/m]: surface_tension times 1 + cos of the angle at
-    which the surface meets them."""
+    """Work per area that separates the fluid from solids [N/m]: surface_tension times 1 + cos of the contact angle."""
     max_particles: Annotated[int, Gt(0), Le(50_000_000)] = 5_000_000
     """More fluid particles than this are refused before the simulation starts; emitters pause while there are
     so many."""

@@ -26,27 +26,27 @@ class Range(Settings):
 
 
 class TrappedAir(Range):
-    """Air that is drawn in where fluid meets fluid (Ihmsen et al. 2012, eq. 2 and 3)."""
+    """Air entrained where fluid meets fluid (Ihmsen et al. 2012, eq. 2 and 3)."""
 
     rate: Rate = 400.0
-    """Particles of foam that a particle of the fluid makes at most [1/s]."""
+    """Maximum number of foam particles that one fluid particle makes [1/s]."""
     low: Speed = 2.0
-    """Sum of the speeds at which neighbours approach, weighted by their nearness [m/s]."""
+    """Sum of the speeds at which neighbours approach, weighted by proximity [m/s]."""
     high: Speed = 12.0
 
 
 class WaveCrest(Range):
-    """Foam that tears off the crests of waves (Ihmsen et al. 2012, eq. 4 to 8)."""
+    """Foam that breaks off wave crests (Ihmsen et al. 2012, eq. 4 to 8)."""
 
     rate: Rate = 400.0
-    """Particles of foam that a particle of the fluid makes at most [1/s]."""
+    """Maximum number of foam particles that one fluid particle makes [1/s]."""
     low: Annotated[Dimensionless, Ge(0)] = 2.0
-    """Sum of the bends of the surface towards neighbours, weighted by their nearness [1]."""
+    """Curvature of the surface, summed over neighbours and weighted by proximity [1]."""
     high: Annotated[Dimensionless, Ge(0)] = 8.0
 
 
 class Agitation(Range):
-    """How fast the fluid has to be to make any foam, by its kinetic energy (Ihmsen et al. 2012, eq. 9)."""
+    """Speed that the fluid needs to make any foam, by its kinetic energy (Ihmsen et al. 2012, eq. 9)."""
 
     low: Speed = 0.8
     """[m/s]"""
@@ -55,8 +55,8 @@ class Agitation(Range):
 
 
 class Lifetime(Range):
-    """Of foam on the water; spray and bubbles do not age (Ihmsen et al. 2012, sec. 3.3). What is made where much is
-    made lives long."""
+    """Lifetime of foam on the water; spray and bubbles do not age (Ihmsen et al. 2012, sec. 3.3). Foam lives longer
+    where more of it is made."""
 
     low: PositiveDuration = 1.0
     """[s]"""
@@ -65,32 +65,32 @@ class Lifetime(Range):
 
 
 class FoamSpec(Settings):
-    """Foam, spray and bubbles. Their kind follows from how many particles of the fluid are near: few, some, many."""
+    """Foam, spray and bubbles. Their kind depends on the number of fluid particles nearby: few, some, many."""
 
     trapped_air: TrappedAir = TrappedAir()
     wave_crest: WaveCrest = WaveCrest()
     agitation: Agitation = Agitation()
     lifetime: Lifetime = Lifetime()
     spray_below: Annotated[int, Ge(0), Le(1000)] = 6
-    """With fewer particles of the fluid within the support radius than this it is spray, which flies."""
+    """With fewer fluid particles than this within the support radius it is spray, which flies."""
     bubbles_above: Annotated[int, Ge(0), Le(1000)] = 20
     """With more than this it is a bubble, which rises; in between it is foam, which floats."""
     buoyancy: Annotated[Dimensionless, Ge(0), Le(100)] = 2.0
     """Upward acceleration of bubbles at rest in the fluid, over gravity (Ihmsen et al. 2012, eq. 12); 2 is that of a
-    light ball, which has to move half its volume of the fluid along."""
+    light ball, whose added mass is half its volume of fluid."""
     relaxation_time: PositiveDuration = 0.012
-    """In which drag takes a bubble to within 1 / e of its speed of rising [s] (Ihmsen et al. 2012, eq. 12, whose drag
-    coefficient depends on the step): 12 ms with a buoyancy of 2 are 0.24 m/s, as of bubbles of some millimetres in
-    water."""
+    """Time in which drag brings a bubble to within 1 / e of its rising speed [s] (Ihmsen et al. 2012, eq. 12, whose
+    drag coefficient depends on the step): 12 ms with a buoyancy of 2 give 0.24 m/s, as for bubbles of a few
+    millimetres in water."""
     radius: PositiveLength | None = None
-    """Of a mean particle of foam in the picture [m], from half to one and a half of it; without it, a sixth of the
-    fluid's particle radius."""
+    """Mean radius of a foam particle in the picture [m]; radii vary from half to one and a half of it. By default a
+    sixth of the fluid's particle radius."""
     max_step: PositiveDuration = 0.01
     """Between frames the fluid is interpolated at steps no longer than this [s]."""
     max_particles: Annotated[int, Gt(0), Le(100_000_000)] = 2_000_000
-    """No more are made while there are so many; the job says so."""
+    """While there are this many, no more are made; the job reports it."""
     seed: Annotated[int, Ge(0), Le(2**31)] = 0
-    """Of what is random about them: where within the fluid's particles they begin, how large they are."""
+    """Random seed of their initial positions within the fluid's particles, and of their sizes."""
 
     @model_validator(mode="after")
     def _kinds_in_order(self) -> Self:

@@ -64,7 +64,7 @@ class Torus(Settings):
 
 
 class Plane(Settings):
-    """The half-space below a plane through the origin, without end."""
+    """The infinite half-space below a plane through the origin."""
 
     type: Literal["plane"]
     normal: Direction = (0.0, 1.0, 0.0)
@@ -90,33 +90,33 @@ class MeshSurface(Settings):
 
     type: Literal["mesh"]
     file: Annotated[str, Field(min_length=1)]
-    """Path, relative to the scene file; or PACKAGE:PATH, a file that an installed Python package brings."""
+    """Path, relative to the scene file; or PACKAGE:PATH, a file of an installed Python package."""
     up: Literal["x", "y", "z"] = "y"
     """Which axis of the file points up."""
     size: PositiveLength | None = None
     """Scale so that the longest edge of the bounding box has this length [m]; without it the
     file's numbers are metres, or in the unit that a 3MF names: millimetres, if none."""
     anchor: Literal["origin", "center", "base"] = "origin"
-    """Which point of the mesh comes to lie on the position: the file's origin, the centre of
-    its bounding box, or the middle of the bounding box's bottom face."""
+    """Which point of the mesh lies on `position`: the file's origin, the centre of its bounding box, or the middle
+    of the bounding box's bottom face."""
     repair: bool = True
-    """Mend holes, flipped faces and non-manifold edges; what was mended is reported."""
+    """Repair holes, flipped faces and non-manifold edges; repairs are reported."""
 
 
 class ClosedMesh(MeshSurface):
     """What the triangles of a file enclose."""
 
     close: Literal["holes", "all"] = "holes"
-    """Which openings `repair` closes: `holes`, where a little of a solid's surface is missing; a surface that is open
-    as a bowl is refused. Or `all`: a bowl becomes a lump that is filled to its rim."""
+    """Which openings `repair` closes: `holes`, small gaps in a solid's surface, while a surface that is open like a
+    bowl is refused; or `all`: a bowl becomes a solid up to its rim."""
 
 
 class MeshFile(ClosedMesh):
-    """What the triangles of a file enclose, or a shell of a thickness around them."""
+    """The inside of a file's triangles, or a shell of a given thickness around them."""
 
     thickness: PositiveLength | None = None
-    """Make a shell this thick of the surface [m], half of it on either side; it is open where the surface is. `scale`
-    scales it as well, `size` is that of the surface alone."""
+    """Make a shell of this thickness from the surface [m], half of it on either side; it is open where the surface
+    is. `scale` scales it as well, `size` is that of the surface alone."""
 
     @model_validator(mode="after")
     def _open_or_closed(self) -> Self:
@@ -126,13 +126,13 @@ class MeshFile(ClosedMesh):
 
 
 class MeshFace(MeshSurface):
-    """A flat face of a mesh: a triangle with all that adjoin it in the same plane; outward is forward."""
+    """A flat face of a mesh: a triangle and all adjoining ones in the same plane; outward is forward."""
 
     repair: Literal[False] = False
-    """Nothing is mended, so that faces keep the numbers that they have in the file."""
+    """Nothing is repaired, so that faces keep their numbers in the file."""
     face: Annotated[int, Ge(0)]
-    """Number of the triangle in the file, from 0; polygons count as the triangles they are cut into, triangles without
-    area do not count."""
+    """Number of the triangle in the file, from 0; polygons count as the triangles they are split into, degenerate
+    triangles do not count."""
 
 
 PRIMITIVES = (Box, Sphere, Cylinder, Capsule, Torus)
@@ -151,7 +151,7 @@ ClothShape = Annotated[Sheet | MeshSurface, Field(discriminator="type")]
 
 
 class Rotation(Settings):
-    """A turn about an axis through the body's own origin, right-handed."""
+    """A right-handed rotation about an axis through the body's own origin."""
 
     axis: Direction
     angle: Angle
@@ -168,5 +168,5 @@ class Placement(Settings):
 
     position: Position = (0.0, 0.0, 0.0)
     rotation: tuple[Rotation, ...] = ()
-    """Turns, applied in the order given."""
+    """Rotations, applied in the order given."""
     scale: Annotated[Dimensionless, Gt(0)] = 1.0

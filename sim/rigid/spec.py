@@ -29,25 +29,26 @@ Restitution = Annotated[Dimensionless, Ge(0), Le(1)]
 
 
 class Keyframe(Settings):
-    """Where a prescribed body is at one time; it moves straight and turns evenly to the next, the shorter way round."""
+    """The pose of a prescribed body at one time; it moves to the next in a straight line and at a constant rate of
+    rotation, the shorter way round."""
 
     at: Duration
     """Simulated time [s]."""
     position: Position
-    """Where the body's own origin is then [m]: as `position` of a body that stands."""
+    """Position of the body's own origin at that time [m], like `position` of a static body."""
     rotation: tuple[Rotation, ...] | None = None
-    """Turns, applied in the order given, instead of the body's own `rotation`; without them that one holds."""
+    """Rotations, applied in the order given, instead of the body's own `rotation`, which is the default."""
 
 
 class Contact(Settings):
     """How a surface holds and throws back the bodies that meet it."""
 
     friction: Friction = 0.5
-    """Coefficient of Coulomb friction of bodies that slide; of two the geometric mean counts."""
+    """Coefficient of Coulomb friction while sliding; a contact uses the geometric mean of both surfaces."""
     static_friction: Friction | None = None
-    """The coefficient at rest, at least that while sliding; without it, the same."""
+    """The coefficient at rest, at least that while sliding, which is the default."""
     restitution: Restitution = 0.3
-    """Relative speed after an impact over the one before; of two bodies the greater counts."""
+    """Relative speed after an impact over that before; a contact uses the greater of both surfaces."""
 
     @property
     def friction_coefficients(self) -> tuple[float, float]:
@@ -62,37 +63,38 @@ class Contact(Settings):
 
 
 class Pull(Settings):
-    """A critically damped spring on the centre of mass of a dynamic body, as a hand that leads it."""
+    """A critically damped spring on the centre of mass of a dynamic body, like a hand that guides it."""
 
     to: Position
-    """Where its other end is [m]."""
+    """Position of its other end [m]."""
     period: Annotated[PositiveDuration, Ge(0.01), Le(100)] = 0.2
-    """Of the spring with the body's mass, if nothing damped it [s]."""
+    """Undamped period of the spring with the body's mass [s]."""
 
 
 class RigidBody(Placement, Contact):
-    """A body that keeps its shape."""
+    """A body that does not deform."""
 
     shape: AnyShape
     motion: Literal["static", "prescribed", "dynamic"] = "static"
-    """`static` stands still, `prescribed` moves as its keyframes or velocities say, `dynamic` obeys forces."""
+    """`static` does not move, `prescribed` follows its keyframes or velocities, `dynamic` obeys forces."""
     density: Density = 1000.0
     mass: Mass | None = None
     """Instead of the density [kg]."""
     velocity: Velocity = (0.0, 0.0, 0.0)
-    """Of a dynamic body at the start; of a prescribed one without keyframes, its origin's for ever [m/s]."""
+    """Initial velocity of a dynamic body; constant velocity of the origin of a prescribed one without keyframes
+    [m/s]."""
     angular_velocity: AngularVelocity = (0.0, 0.0, 0.0)
     """Likewise [rad/s]: a prescribed body spins about its own origin."""
     start: Duration | None = None
-    """When a prescribed body without keyframes sets off [s]; by default at 0, or when an event adds it."""
+    """When a prescribed body without keyframes starts to move [s]; by default at 0, or when an event adds it."""
     keyframes: tuple[Keyframe, ...] = ()
-    """Where a prescribed body is, sorted by time; it is at rest before the first and after the last."""
+    """Poses of a prescribed body, sorted by time; it is at rest before the first and after the last."""
     force: Force = (0.0, 0.0, 0.0)
-    """That acts on the centre of mass of a dynamic body all the time; events may change it [N]."""
+    """Constant force on the centre of mass of a dynamic body; events may change it [N]."""
     torque: Torque = (0.0, 0.0, 0.0)
     """Likewise, about the centre of mass [N m]."""
     pulls: tuple[Pull, ...] = ()
-    """Springs that draw a dynamic body; events may move them, and let go by setting none."""
+    """Springs that pull a dynamic body; events may move them, and release it by setting none."""
 
     @model_validator(mode="after")
     def _weighs_one_way(self) -> Self:
@@ -148,7 +150,7 @@ class RigidBody(Placement, Contact):
 
 
 class ContactPair(Settings):
-    """What two bodies or containers are to each other, instead of what follows from each."""
+    """Friction and restitution between two bodies or containers, instead of those that follow from each."""
 
     between: tuple[Name, Name]
     """Names of two rigid bodies, or of one and a container."""
@@ -158,14 +160,14 @@ class ContactPair(Settings):
 
 
 class Rigid(Settings):
-    """The rigid bodies of the scene, and how their contacts are solved."""
+    """The rigid bodies of the scene, and the solver for their contacts."""
 
     bodies: Annotated[dict[Name, RigidBody], Field(min_length=1)]
     pairs: tuple[ContactPair, ...] = ()
-    """Exceptions from the friction and restitution of the bodies, the last that fits counts."""
+    """Exceptions from the friction and restitution of the bodies; the last match counts."""
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.004
     """Longest time step of a scene with dynamic bodies [s]."""
     contact_error: Annotated[Speed, Gt(0)] = 1e-8
-    """Sweeps over the contacts end when none changes a relative velocity by more than this [m/s]."""
+    """Sweeps over the contacts end once none changes a relative velocity by more than this [m/s]."""
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 500
-    """Most sweeps in a step; steps that would need more are counted and reported."""
+    """Maximum number of sweeps in a step; steps that would need more are counted and reported."""

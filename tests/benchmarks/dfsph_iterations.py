@@ -17,7 +17,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.solvers import steps
+from tests.support.solvers import steps
 from tests.verification.test_solvers_wave import swing
 
 ROOT = Path(__file__).parents[2]

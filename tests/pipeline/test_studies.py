@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from tests import falling_ball
+from tests.support import falling_ball
 
 STUDY = """\
 description: How exact is free fall?

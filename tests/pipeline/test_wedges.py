@@ -6,7 +6,7 @@ import csv
 
 import pytest
 
-from tests import falling_ball
+from tests.support import falling_ball
 
 SCENE = falling_ball.scene(
     0.25,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.solvers import SOLVERS
+from tests.support.solvers import SOLVERS
 
 FPS = 50
 FRAMES = 6

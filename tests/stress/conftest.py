@@ -1,4 +1,4 @@
-"""The report of the extremes: `pytest tests/stress --extremes extremes.md` writes what each came to."""
+"""The report of the extremes: `pytest tests/stress --extremes extremes.md` writes the outcome of each."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _found: dict[str, tuple[str, str, float]] = {}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--extremes", metavar="FILE", help="write what the extremes came to, as Markdown")
+    parser.addoption("--extremes", metavar="FILE", help="write the outcomes of the extremes, as Markdown")
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
@@ -56,12 +56,12 @@ def _written() -> str:
         came_to = {"passed": outcome, "skipped": "expected failure"}.get(result, f"**{result}**")
         case = name.removeprefix("test_").replace("_", " ", name.partition("[")[0].count("_")).replace("|", "\\|")
         groups.setdefault(_group(file), []).append(f"| {case} | {outcome} | {came_to} | {seconds:.1f} |")
-    count = Counter(outcome if result == "passed" else "else" for outcome, result, _ in _found.values())
+    count = Counter(outcome if result == "passed" else "other" for outcome, result, _ in _found.values())
     parts = [
         f"# Extremes\n\n{MEANING}\n\n{len(_found)} cases: {', '.join(f'{n} {k}' for k, n in sorted(count.items()))}.\n"
     ]
     for group, rows in sorted(groups.items()):
-        head = "| case | expected | came to | seconds |\n| --- | --- | --- | --- |"
+        head = "| case | expected | actual | seconds |\n| --- | --- | --- | --- |"
         parts.append(f"## {group} ({len(rows)})\n\n{head}\n" + "\n".join(rows) + "\n")
     return "\n".join(parts)
 

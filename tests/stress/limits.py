@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from sim.spec import CFL_OF_IISPH
-from tests import bodies, cloths
-from tests.floating import EDGE, box_in_pool, track
-from tests.particles import read_table
+from tests.support import bodies, cloths
+from tests.support.floating import EDGE, box_in_pool, track
+from tests.support.particles import read_table
 
 PRECISION = 1.05
 ASIDE = (0.0, 1.1e-3, 2.3e-3, 3.7e-3, 4.9e-3)

@@ -16,7 +16,7 @@ import pytest
 from sim.run import stepping
 from sim.run.failure import Fault, find_fault
 from tests import rounding
-from tests.particles import read_frame
+from tests.support.particles import read_frame
 
 ROOT = Path(__file__).resolve().parents[2]
 POOL: dict[str, Any] = {

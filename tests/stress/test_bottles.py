@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.particles import positions, read_frame, velocities
-from tests.sharp_bodies import export
-from tests.solvers import run
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.sharp_bodies import export
+from tests.support.solvers import run
 
 SPACING, WALL = 0.005, 0.0015
 BODY, NECK, SHOULDER, MOUTH = 0.03, 0.012, (0.12, 0.16), 0.2

@@ -7,8 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, read_table
 from tests.stress.scenes import assert_nothing_broken, pool
+from tests.support.particles import positions, read_frame, read_table
 
 SIZE = 0.4
 FRAMES = 4

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.bodies import ball, box, ground
-from tests.cloths import HANGING, G, extremes, scene, sheet
+from tests.support.bodies import ball, box, ground
+from tests.support.cloths import HANGING, G, extremes, scene, sheet
 
 THICK = 0.004
 MADE = 0.01

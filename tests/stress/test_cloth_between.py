@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import ball, box, ground
-from tests.cloths import G, extremes, scene, sheet
-from tests.in_time import in_time
-from tests.meshes import write
+from tests.support.bodies import ball, box, ground
+from tests.support.cloths import G, extremes, scene, sheet
+from tests.support.in_time import in_time
+from tests.support.meshes import write
 
 MADE = 0.01
 """Of the energy that a scene sets free; see `test_cloth_bears_bodies`."""

@@ -14,11 +14,11 @@ from scipy.integrate import solve_ivp
 
 from sim.cloth.model import ClothModel
 from sim.segment import main
-from tests.cloths import HANGING, INTEGRATORS, G, part, passages, places, rope, scene, sheet, step
-from tests.in_time import in_time
-from tests.meshes import write
-from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken, failure
+from tests.support.cloths import HANGING, INTEGRATORS, G, part, passages, places, rope, scene, sheet, step
+from tests.support.in_time import in_time
+from tests.support.meshes import write
+from tests.support.particles import read_table
 
 SIZE, SPACING = 0.5, 0.1
 TILTED = [{"axis": [1, 2, 3], "angle": 40}]

@@ -1,4 +1,4 @@
-"""Nothing passes through cloth, by a checker of its own (`tests.passing`)."""
+"""Nothing passes through cloth, by a checker of its own (`tests.support.passing`)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from tests.bodies import box
-from tests.cloths import INTEGRATORS, passages, scene, sheet
-from tests.in_time import in_time
+from tests.support.bodies import box
+from tests.support.cloths import INTEGRATORS, passages, scene, sheet
+from tests.support.in_time import in_time
 
 FLOOR = {"floor": {"shape": {"type": "plane"}}}
 STILL = {"motion": "static"}

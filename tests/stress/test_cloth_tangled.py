@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from scene.settings import Refused
-from tests.bodies import box
-from tests.cloths import passages, scene, sheet
-from tests.crossing import crossed
 from tests.stress.scenes import run_segment
+from tests.support.bodies import box
+from tests.support.cloths import passages, scene, sheet
+from tests.support.crossing import crossed
 
 UPRIGHT = [{"axis": [0, 0, 1], "angle": 90}]
 FLOOR = {"floor": {"shape": {"type": "plane"}, "position": [0, -1, 0]}}

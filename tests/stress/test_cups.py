@@ -8,10 +8,10 @@ import json
 import numpy as np
 import pytest
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, read_table
-from tests.sharp_bodies import cup, export
-from tests.solvers import run
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, read_table
+from tests.support.sharp_bodies import cup, export
+from tests.support.solvers import run
 
 SPACING, RADIUS, HIGH, LEVEL = 0.02, 0.12, 0.14, 0.3
 CUPS = [("dfsph", 5, 0.9), *in_time(*(("dfsph", n, taper) for n, taper in ((4, 0.8), (7, 0.7), (48, 0.6))))]

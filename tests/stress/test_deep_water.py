@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
 from tests.stress.scenes import contents
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
 
 SPACING, WIDE = 0.00625, 16
 G = 9.81

@@ -13,10 +13,10 @@ import pytest
 from scene.settings import Refused
 from sim import segment
 from sim.spec import SimulationSpec
-from tests.in_time import in_time
-from tests.particles import read_frame, read_table
-from tests.solvers import SOLVERS, STRESSED
 from tests.stress.scenes import assert_nothing_broken, contents, failure, finish, make_faults, pool, run_segment
+from tests.support.in_time import in_time
+from tests.support.particles import read_frame, read_table
+from tests.support.solvers import SOLVERS, STRESSED
 
 DOWN = [{"axis": [1, 0, 0], "angle": 180}]
 SPEED, D = 1.0, 0.04

@@ -13,8 +13,8 @@ import trimesh
 
 from scene.settings import Refused
 from sim.run.failure import MOST_STEPS
-from tests.particles import positions, read_frame, read_table, velocities
 from tests.stress.scenes import assert_nothing_broken, pool
+from tests.support.particles import positions, read_frame, read_table, velocities
 
 LIMIT = 120.0
 """Seconds after which a scene of 125 particles hangs: most take one, and one with a mesh 20 where its kernels have to

@@ -13,9 +13,9 @@ import pytest
 from scene.settings import Refused
 from sim.segment import simulate as run
 from sim.spec import SimulationSpec
-from tests.particles import positions, read_frame, read_table, velocities
-from tests.solvers import STRESSED, steps
 from tests.stress.scenes import assert_nothing_broken, pool
+from tests.support.particles import positions, read_frame, read_table, velocities
+from tests.support.solvers import STRESSED, steps
 
 D = 0.04
 WATER = pool()["fluid"]["bodies"]["water"]

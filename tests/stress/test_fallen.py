@@ -10,10 +10,10 @@ import pytest
 
 from sim.fluid.time_step_limits import fall_limit
 from sim.run.world import LEAST_DEPTH
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, read_table
-from tests.solvers import STRESSED
 from tests.stress.scenes import assert_nothing_broken
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, read_table
+from tests.support.solvers import STRESSED
 
 SPACING, G = 0.04, 9.81
 BODIES_STEP = 0.004

@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
-from tests.floating import BOX, box_in_pool, track
-from tests.in_time import in_time
-from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
+from tests.support.floating import BOX, box_in_pool, track
+from tests.support.in_time import in_time
+from tests.support.particles import read_table
 
 LATER = ("wcsph", "iisph")
 ONE_AGAIN = ("wcsph", 0.01)

@@ -9,8 +9,8 @@ import subprocess
 
 import pytest
 
-from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken, contents, finish, pool, run_segment, segment_command
+from tests.support.particles import read_table
 
 STILL = pool(gravity=[0, 0, 0])
 """A frame of 125 particles takes 4 kB, a state 7 kB; 80 kB are kept in reserve for the end."""

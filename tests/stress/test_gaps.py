@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.in_time import in_time
-from tests.particles import read_table
 from tests.stress.scenes import assert_nothing_broken
-from tests.vessels import FLOOR, RADIUS, SPACING, glass
+from tests.support.in_time import in_time
+from tests.support.particles import read_table
+from tests.support.vessels import FLOOR, RADIUS, SPACING, glass
 
 PCISPH = pytest.param(
     "pcisph",

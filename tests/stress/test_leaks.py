@@ -12,11 +12,11 @@ import trimesh
 
 from sim.bodies.obstacles import find_obstacles
 from sim.spec import SimulationSpec
-from tests.in_time import in_time
-from tests.particles import positions, read_frame
-from tests.sharp_bodies import SPACING, TOP, export, sharp_bodies
-from tests.solvers import STRESSED
 from tests.stress.scenes import assert_nothing_broken
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame
+from tests.support.sharp_bodies import SPACING, TOP, export, sharp_bodies
+from tests.support.solvers import STRESSED
 
 FRAMES = 8
 BODIES = ("plate", "box", "edge up", "wedge", "spike")

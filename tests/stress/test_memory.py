@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from tests.in_time import in_time
 from tests.stress.scenes import assert_nothing_broken
+from tests.support.in_time import in_time
 
 MOST = 1000
 """Bytes a particle."""

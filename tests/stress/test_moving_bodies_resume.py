@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.solvers import STRESSED
 from tests.stress.scenes import contents, make_faults, pool, run_segment
 from tests.stress.test_resume import IN_FRAME_4, assert_continued
+from tests.support.solvers import STRESSED
 
 KEYS = [
     {"at": 0.0123, "position": [0, 0.02, 0]},

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from scene.settings import Refused
-from tests.particles import read_frame, read_table
 from tests.stress.scenes import contents, finish, make_faults, pool, run_segment
+from tests.support.particles import read_frame, read_table
 
 DROP = {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "position": [0.1, 0.3, 0.1], "velocity": [0, -1, 0]}
 EVENTS = [

@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 from scene.settings import Refused
-from tests.bodies import G, ground, part, step, tilt
-from tests.in_time import in_time
-from tests.meshes import body, broken_boxes, without_mass, write
-from tests.particles import read_table
+from tests.support.bodies import G, ground, part, step, tilt
+from tests.support.in_time import in_time
+from tests.support.meshes import body, broken_boxes, without_mass, write
+from tests.support.particles import read_table
 
 SIZE = (0.2, 0.1, 0.3)
 DENSITY = 500.0

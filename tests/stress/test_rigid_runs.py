@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from scene.settings import Refused
-from tests.bodies import ball, box, ground, turn
-from tests.particles import read_table
+from tests.support.bodies import ball, box, ground, turn
+from tests.support.particles import read_table
 
 
 def scene(**changes: Any) -> dict[str, Any]:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from scene.settings import Refused
-from tests.bodies import G, ground, part, step, tilt
-from tests.in_time import in_time
-from tests.meshes import write
-from tests.particles import positions, read_frame
-from tests.solvers import run
-from tests.surfaces import bowl
+from tests.support.bodies import G, ground, part, step, tilt
+from tests.support.in_time import in_time
+from tests.support.meshes import write
+from tests.support.particles import positions, read_frame
+from tests.support.solvers import run
+from tests.support.surfaces import bowl
 
 RADIUS, SPACING, FPS, FRAMES = 0.15, 0.02, 24, 12
 

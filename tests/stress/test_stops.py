@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from scene.settings import Refused
-from tests.particles import positions, read_frame, read_table, velocities
 from tests.stress.scenes import assert_nothing_broken, failure, make_faults, pool, run_segment
+from tests.support.particles import positions, read_frame, read_table, velocities
 
 G = 9.81
 CONTRACT = {"detected", "step", "time", "retries", "particles", "last_good_frame", "last_good_state", "change"}

@@ -9,9 +9,9 @@ import pytest
 
 from sim.fluid.forces.velocity_smoothing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
-from tests.in_time import in_time
-from tests.particles import read_table
 from tests.stress.scenes import THICK, contents, pool, run_segment
+from tests.support.in_time import in_time
+from tests.support.particles import read_table
 
 BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "position": [0.05, 0.06, 0]}
 THICK_ON_A_BALL = THICK | {"rigid__bodies": {"ball": BALL}}

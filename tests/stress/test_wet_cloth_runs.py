@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import read_table
 from tests.stress.scenes import contents
-from tests.wet import leaks, scene
+from tests.support.particles import read_table
+from tests.support.wet import leaks, scene
 
 DROP = {"shape": {"type": "sphere", "radius": 0.06}, "position": [0, 0.09, 0], "velocity": [0, -6, 0]}
 SHEET = {"shape": {"type": "sheet", "size": [0.3, 0.3]}, "spacing": 0.05, "pins": ["corners"], "thickness": 0.006,

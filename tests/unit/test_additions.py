@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 from plyfile import PlyData
 
-from tests.particles import positions, read_frame, read_table, velocities
+from tests.support.particles import positions, read_frame, read_table, velocities
 
 ROOT = Path(__file__).resolve().parents[2]
 OUTSIDE = ROOT / "tests" / "outside"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import networkx
 import pytest
 
-from tests.imports import PACKAGES, ROOT, graph, imports, modules
+from tests.support.imports import PACKAGES, ROOT, graph, imports, modules
 
 MOST = 15
 """Files of a folder, beside its `__init__`."""

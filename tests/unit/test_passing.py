@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.passing import passed
+from tests.support.passing import passed
 
 TRIANGLES = np.array([[0, 1, 2], [3, 4, 5]])
 LOW = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]])

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tests import bodies, cloths, rounding
-from tests.particles import positions, read_frame
+from tests import rounding
 from tests.stress.scenes import POOL, run_segment
+from tests.support import bodies, cloths
+from tests.support.particles import positions, read_frame
 
 ROOT = Path(__file__).resolve().parents[2]
 SPACING = 2 * POOL["fluid"]["particle_radius"]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.particles import positions, read_frame
+from tests.support.particles import positions, read_frame
 
 A = 0.05715
 """Width of the column [m]: 2.25 inch."""

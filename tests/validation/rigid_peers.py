@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from tests.bodies import G, ball, box, ground, part, turn
+from tests.support.bodies import G, ball, box, ground, part, turn
 from tests.validation.domino_wave import Row
 
 RADIUS = 0.1
@@ -139,7 +139,7 @@ class Tidemill:
 
 def mujoco(scene: Scene, *, threads: int = 2, timestep: float = 1e-3) -> Engine:
     """The same bodies in MuJoCo, which is needed here only; `threads` are those of ours, which places them."""
-    from tests.mujoco_bodies import MuJoCo
+    from tests.support.mujoco_bodies import MuJoCo
 
     return MuJoCo(scene.bodies, part(scene.bodies, threads=threads), scene.floor_friction, timestep)
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.particles import positions, read_frame, read_table
-from tests.solvers import run
+from tests.support.particles import positions, read_frame, read_table
+from tests.support.solvers import run
 
 D, RHO = 0.02, 1000.0
 INNER, HIGH, LEVEL = 0.12, 0.14, 0.3

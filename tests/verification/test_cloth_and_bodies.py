@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sim.cloth.contact.applied_forces import pulls
-from tests.bodies import ball, box
-from tests.cloths import G, scene, sheet
-from tests.in_time import in_time
-from tests.meshes import write
-from tests.wet import read_sheet
+from tests.support.bodies import ball, box
+from tests.support.cloths import G, scene, sheet
+from tests.support.in_time import in_time
+from tests.support.meshes import write
+from tests.support.wet import read_sheet
 
 TIGHT = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-4, "max_newton": 60}}
 FINE = TIGHT | {"xpbd": {"substeps": 40, "iterations": 10}}

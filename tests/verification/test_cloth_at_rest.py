@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.cloths import HANGING, INTEGRATORS, G, part, places, rope, sheet, step
+from tests.support.cloths import HANGING, INTEGRATORS, G, part, places, rope, sheet, step
 
 STATIC = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-3, "max_newton": 200}}
 

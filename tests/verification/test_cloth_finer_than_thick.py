@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests import cloths
-from tests.in_time import in_time
+from tests.support import cloths
+from tests.support.in_time import in_time
 
 LENGTH, WIDTH, CELL, THICKNESS = 0.1, 0.015, 0.005, 0.01
 SOFT = {"stretch_stiffness": 2000, "bend_stiffness": 0, "mass_per_area": 0.2}

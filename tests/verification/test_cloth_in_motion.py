@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk, jn_zeros
 
-from tests.cloths import HANGING, INTEGRATORS, G, part, period, places, rope, set_motion, sheet, step
-from tests.in_time import in_time
+from tests.support.cloths import HANGING, INTEGRATORS, G, part, period, places, rope, set_motion, sheet, step
+from tests.support.in_time import in_time
 
 EXACT = {"implicit_euler": {"velocity_error": 1e-7, "linear_error": 1e-5, "max_newton": 50}}
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import INCOMPRESSIBLE, run
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import INCOMPRESSIBLE, run
 from tests.validation.dam_break import A, G, scene
 
 ACROSS = 20

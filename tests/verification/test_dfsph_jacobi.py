@@ -12,8 +12,8 @@ import pytest
 
 from sim.fluid.kernel import cubic_slope_host, particle_mass
 from sim.fluid.pressure.dfsph_jacobi import FEW, growth
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import probe, run, steps
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import probe, run, steps
 from tests.verification import test_solvers_motion as motion
 from tests.verification import test_solvers_wave as wave
 

@@ -11,9 +11,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from tests.particles import read_frame
-from tests.solvers import SOLVERS, steps
 from tests.stress.scenes import ROOT, THICK, assert_nothing_broken, contents, environment, pool, segment_command
+from tests.support.particles import read_frame
+from tests.support.solvers import SOLVERS, steps
 
 EPS = float(np.finfo(np.float64).eps)
 QUICK = "wcsph"

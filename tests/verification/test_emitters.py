@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.geometry.solids import rotation_matrix
 from sim.geometry.spec import Rotation
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import SOLVERS, run, steps
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import SOLVERS, run, steps
 
 R = 0.01
 D = 2 * R

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.floating import RHO, G, momentum, pool, track
-from tests.in_time import in_time
-from tests.particles import read_frame, read_table
-from tests.solvers import SOLVERS, probe
+from tests.support.floating import RHO, G, momentum, pool, track
+from tests.support.in_time import in_time
+from tests.support.particles import read_frame, read_table
+from tests.support.solvers import SOLVERS, probe
 
 BALL = {"type": "sphere", "radius": 0.1}
 BRICK = {"type": "box", "size": [0.24, 0.12, 0.24]}

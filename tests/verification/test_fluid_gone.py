@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.in_time import in_time
-from tests.particles import read_frame, read_table
-from tests.wet import G, point_masses, read_sheet
+from tests.support.in_time import in_time
+from tests.support.particles import read_frame, read_table
+from tests.support.wet import G, point_masses, read_sheet
 
 GONE = 5
 """The frame in which the last fluid goes."""

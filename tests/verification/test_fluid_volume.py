@@ -16,9 +16,9 @@ from sim.checks.preview import preview
 from sim.fluid.model import FluidState
 from sim.run.world import Counts, World
 from sim.spec import SimulationSpec
-from tests.in_time import in_time
-from tests.particles import positions, read_frame
-from tests.solvers import run, steps
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame
+from tests.support.solvers import run, steps
 
 D = 0.01
 SIDES = 64

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.systems import load
+from tests.support.systems import load
 
 SPACING, LAYERS, DT = 0.02, 10, 1e-3
 H = 2 * SPACING
@@ -93,7 +93,7 @@ def test_a_gradient_of_pressure_along_a_wall_pushes_all_layers_alike(taichi, tmp
     from sim.device.arrays import vec4
     from sim.fluid.forces.pairwise import Lens
     from sim.fluid.pressure.gradient_correction import compression_rates
-    from tests.pushed import push_along
+    from tests.support.pushed import push_along
 
     x = block(np.random.default_rng(1), 0.0)
     system, _, _ = system_of(x, np.zeros_like(x), np.zeros(3), tmp_path, wall=wall)

@@ -17,9 +17,9 @@ from sim.fluid.boundary.calibration import lack
 from sim.fluid.boundary.half_space import half_space_fit, own_share_host
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.spec import SimulationSpec
-from tests.in_time import in_time
-from tests.sharp_bodies import SPACING, cup, export, sharp_bodies
-from tests.systems import load
+from tests.support.in_time import in_time
+from tests.support.sharp_bodies import SPACING, cup, export, sharp_bodies
+from tests.support.systems import load
 
 pytestmark = pytest.mark.usefixtures("taichi")
 H = 2 * SPACING

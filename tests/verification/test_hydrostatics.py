@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, read_table
+from tests.support.particles import positions, read_frame, read_table
 
 G, RHO = 9.81, 1000.0
 H, SIDE, RADIUS = 0.2, 0.4, 0.01

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, read_table, velocities
+from tests.support.particles import positions, read_frame, read_table, velocities
 
 
 def drop(**body):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import SOLVERS, STRESSED, probe, steps
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import SOLVERS, STRESSED, probe, steps
 
 RHO, G, D = 1000.0, 9.81, 0.02
 SIDE = 0.12

@@ -19,9 +19,9 @@ from sim.bodies.obstacles import find_obstacles
 from sim.bodies.prescribed import Prescribed
 from sim.rigid.spec import RigidBody
 from sim.spec import SimulationSpec
-from tests.particles import positions, read_frame, read_table
-from tests.solvers import SOLVERS
 from tests.stress.scenes import finish, pool, segment_command
+from tests.support.particles import positions, read_frame, read_table
+from tests.support.solvers import SOLVERS
 
 BOX = {"type": "box", "size": [0.2, 0.04, 0.1]}
 TILTED = [{"axis": [1, 0, 0], "angle": 30}]
@@ -136,7 +136,7 @@ def test_half_spaces_follow_on_the_device(case, tmp_path):
     from sim.device.arrays import numpy_real, vec4
     from sim.fluid.boundary.faces import Faces
     from sim.fluid.boundary.shapes import Shapes
-    from tests.surface_speeds import surface_speeds
+    from tests.support.surface_speeds import surface_speeds
 
     spacing, h, s = 0.02, 0.04, 0.008
     ball = {"shape": {"type": "sphere", "radius": 0.05}, "position": [0, 0.5, 0]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import G, ball, box, ground, part, step, turn
+from tests.support.bodies import G, ball, box, ground, part, step, turn
 
 DEGREE = np.pi / 180
 

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from sim.run.shortfalls import MANY
-from tests.bodies import ground, part, step
-from tests.in_time import in_time
-from tests.meshes import body, write
+from tests.support.bodies import ground, part, step
+from tests.support.in_time import in_time
+from tests.support.meshes import body, write
 
 
 def ell() -> trimesh.Trimesh:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import ball, bounces, box, ground, part, step, turn
+from tests.support.bodies import ball, bounces, box, ground, part, step, turn
 
 BODIES = {
     "ball": ball(0.1),

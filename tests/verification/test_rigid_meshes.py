@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.bodies import G, ball, bounces, box, ground, part, step, turn
-from tests.in_time import in_time
-from tests.meshes import body, write
+from tests.support.bodies import G, ball, bounces, box, ground, part, step, turn
+from tests.support.in_time import in_time
+from tests.support.meshes import body, write
 
 DEGREE = np.pi / 180
 SIZE = (0.2, 0.1, 0.2)
@@ -161,7 +161,7 @@ def test_no_mesh_passes_through_a_thin_wall(tmp_path, lower):
 
 @pytest.mark.parametrize("inner", in_time("mesh", "ball"))
 def test_what_is_in_a_mesh_container_rests_on_its_floor(simulate, tmp_path, inner):
-    from tests.particles import read_table
+    from tests.support.particles import read_table
 
     write(tmp_path / "room.off", trimesh.creation.box((1, 1, 1)))
     moving = {"mesh": flat("mesh", tmp_path), "ball": ball(0.05)}[inner] | {"position": [0.1, -0.4, 0.1]}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import G, ball, box, part, step
+from tests.support.bodies import G, ball, box, part, step
 
 PERIOD, FAR = 0.4, 0.3
 PACE = 2 * np.pi / PERIOD

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.bodies import G, box, ground, part, step, tilt, turn
+from tests.support.bodies import G, box, ground, part, step, tilt, turn
 
 EDGE = 0.2
 

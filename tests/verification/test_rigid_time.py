@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.rigid.collision.detection import ALLOWED_OVERLAP
-from tests.bodies import G, ball, box, ground, part, step, turn
+from tests.support.bodies import G, ball, box, ground, part, step, turn
 
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3)
 UNEXPLAINED = pytest.mark.xfail(reason="two crates that fall together go 1.13e-5 m further at once, by some roundings")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from tests.bodies import box, part, step
+from tests.support.bodies import box, part, step
 
 SIZE = (0.3, 0.1, 0.6)
 MASS = 1000.0 * np.prod(SIZE)

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame
-from tests.solvers import ITERATIVE, SOLVERS, run_changed
+from tests.support.particles import positions, read_frame
+from tests.support.solvers import ITERATIVE, SOLVERS, run_changed
 
 RATE, RADIUS, LAYERS, FPS = 1.0, 1.0, 6, 4
 TURN = 0.4

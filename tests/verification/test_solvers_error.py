@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.solvers import ITERATIVE, run, steps
+from tests.support.solvers import ITERATIVE, run, steps
 
 D = 0.025
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import INCOMPRESSIBLE, SOLVERS, run, steps
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import INCOMPRESSIBLE, SOLVERS, run, steps
 
 G = 9.81
 

@@ -11,8 +11,8 @@ import json
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import ITERATIVE, SOLVERS, probe, run, steps
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import ITERATIVE, SOLVERS, probe, run, steps
 
 RHO, G, WIDTH, D = 1000.0, 9.81, 0.25, 0.05
 SOUND = 10 * (2 * G * 1.0) ** 0.5

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 from scipy.optimize import curve_fit
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import ITERATIVE, run_changed
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import ITERATIVE, run_changed
 
 G, LENGTH, HEIGHT, LAYERS, FPS = 9.81, 0.5, 0.2, 6, 50
 K = np.pi / LENGTH

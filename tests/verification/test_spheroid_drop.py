@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import run
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import run
 
 RADIUS, RATE = 0.16, 10.0
 DIRECTIONS = {"z": (0, 0, 1), "x": (1, 0, 0), "xy": (1, 1, 0), "xyz": (1, 1, 1), "askew": (0.3, 0.5, 0.81)}

@@ -8,9 +8,9 @@ from scipy.integrate import quad
 from scipy.optimize import curve_fit
 from scipy.spatial import cKDTree
 
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import run, run_changed, steps
-from tests.systems import load
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import run, run_changed, steps
+from tests.support.systems import load
 
 SIGMA, RHO, SPACING = 0.07, 1000.0, 1e-3
 H = 2 * SPACING

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, read_table
-from tests.solvers import probe
-from tests.vessels import FLOOR, RADIUS, SPACING, glass
+from tests.support.particles import positions, read_frame, read_table
+from tests.support.solvers import probe
+from tests.support.vessels import FLOOR, RADIUS, SPACING, glass
 
 HEIGHT, RHO, G = 0.05, 1000.0, 9.81
 

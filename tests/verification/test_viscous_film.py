@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.in_time import in_time
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import run
+from tests.support.in_time import in_time
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import run
 
 DEPTH, NU, ANGLE, G = 0.02, 7e-3, np.radians(30), 9.81
 WIDE = 60

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from tests.in_time import in_time
-from tests.systems import load
+from tests.support.in_time import in_time
+from tests.support.systems import load
 
 NU, LAYERS, SPACING = 0.02, 10, 0.01
 GAP = LAYERS * SPACING

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import read_frame, read_table, velocities
-from tests.wet import G, below, particle_mass, point_masses, read_sheet, scene, water_at
+from tests.support.particles import read_frame, read_table, velocities
+from tests.support.wet import G, below, particle_mass, point_masses, read_sheet, scene, water_at
 
 SOLVERS = ["dfsph", pytest.param("wcsph", marks=pytest.mark.slow), pytest.param("iisph", marks=pytest.mark.slow)]
 DENSITIES = [0.4, pytest.param(0.02, marks=pytest.mark.slow), pytest.param(20.0, marks=pytest.mark.slow)]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.particles import positions, read_frame, velocities
-from tests.solvers import SOLVERS, run, steps
-from tests.systems import load
+from tests.support.particles import positions, read_frame, velocities
+from tests.support.solvers import SOLVERS, run, steps
+from tests.support.systems import load
 
 SPACING, SHARE = 0.02, 0.3
 H = 2 * SPACING

@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m workflow.gallery", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scenes", nargs="*", help="names of scenes, as duck")
+    parser.add_argument("scenes", nargs="*", help="names of scenes, such as duck")
     options = parser.parse_args(arguments)
     root = Path(__file__).parents[2]
     try:

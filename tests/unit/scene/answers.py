@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 
 HEAD = """\
-# Mistakes, and what they are answered
+# Mistakes and their answers
 
-Each line below was typed into a scene that is right otherwise, and each answer is what `python -m sim check` printed, \
-below the name of the file and the line. An error is refused with exit 2, a warning is told, and the scene would run. \
+Each mistake below was made in an otherwise valid scene, and each answer is what `python -m sim check` printed \
+after the file and line. An error is refused with exit 2; after a warning the scene would still run. \
 Written by `pytest tests/unit/scene --answers docs/mistakes.md`, {count} mistakes.
 """
 MESSAGE = re.compile(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.meshes import without_mass, write
+from tests.support.meshes import without_mass, write
 
 REFUSED = without_mass()
 BALL = "{type: sphere, radius: 0.18}"

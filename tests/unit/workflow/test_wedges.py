@@ -14,7 +14,7 @@ from scene.document import SceneError
 from scene.load import combination_of, load
 from scene.settings import Refused
 from scene.wedge import combinations, split
-from tests import falling_ball
+from tests.support import falling_ball
 from workflow.wedge.__main__ import main
 
 SCENE = falling_ball.scene(

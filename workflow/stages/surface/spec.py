@@ -20,7 +20,7 @@ class MeshSmoothing(Settings):
     iterations: Annotated[int, Ge(0), Le(500)] = 25
     """Number of smoothing passes; 0 leaves the bumps of single particles."""
     weighted: bool = True
-    """Smooth less where few particles are near, so that thin features do not shrink."""
+    """Smooth less where there are few particles, so that thin features do not shrink."""
     normalization: Annotated[Dimensionless, Gt(0), Le(100)] = 13.0
     """Number of neighbours [1] from which a vertex is smoothed in full."""
 
@@ -31,16 +31,16 @@ class MeshCleanup(Settings):
     enabled: bool = True
     """Snap vertices to the grid where they make degenerate triangles."""
     snap_distance: Annotated[Dimensionless, Gt(0), Le(0.5)] | None = None
-    """Farthest way of a snapped vertex, in edge lengths of a cube [1]; without it, any."""
+    """Maximum displacement of a snapped vertex, in edge lengths of a cube [1]; unlimited by default."""
     decimate_barnacles: bool = True
     """Remove the small bumps that remain on smooth surfaces."""
 
 
 class Layers(Settings):
-    """Thin sheets of fluid, of a single layer of particles, which would be bumps and holes."""
+    """Thin sheets of fluid, of a single layer of particles, which would otherwise show as bumps and holes."""
 
     enabled: bool = True
-    """Fill gaps where a layer of particles is stretched, and flatten it; drops, threads and bulk stay as they are."""
+    """Fill gaps where a layer of particles is stretched, and flatten it; drops, threads and bulk are left unchanged."""
     reach: Annotated[Dimensionless, Ge(1.5), Le(4)] = 2.6
     """Widest gap between two particles that is filled, in spacings [1]."""
 
@@ -65,7 +65,7 @@ class SurfaceSpec(Settings):
     """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
     layers: Layers = Layers()
     drops: bool = True
-    """Make a ball of each particle that no other is near, of its volume."""
+    """Draw each particle without neighbours as a ball of its volume."""
     walls: bool = True
     """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
     smoothing: MeshSmoothing = MeshSmoothing()
