@@ -32,7 +32,7 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
     start, triangles, slide, hold = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
     body, made = [np.zeros(0, int)], [np.zeros((0, 3))]
     for index, item in enumerate(obstacles.placed):
-        mesh = item.solid.mesh
+        mesh = item.solid.surface
         made.append(mesh.vertices)
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
@@ -52,7 +52,7 @@ def places(obstacles: Obstacles, time: float) -> np.ndarray:
     found = [np.zeros((0, 3))]
     for item in obstacles.placed:
         movement = item.movement(time)
-        found.append(item.solid.mesh.vertices if movement is None else movement.carry(item.solid.mesh.vertices))
+        found.append(item.solid.surface.vertices if movement is None else movement.carry(item.solid.surface.vertices))
     return np.concatenate(found)
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from scene import assets
 from scene.settings import Refused
 from sim.fluid.spec import Disc, Emitter, Fluid, Rectangle
+from sim.geometry.pose import Pose
 from sim.geometry.shapes import load_mesh
-from sim.geometry.solids import Pose
 from sim.geometry.spec import MeshFace
 
 EDGE = 1e-3
