@@ -10,8 +10,8 @@ from typing import Any, Literal
 
 import yaml
 
-from scene.document import parse
 from scene.events import FIXED
+from scene.reader import parse
 from sim.spec import SimulationSpec
 
 NOT_HERE = frozenset({"events", "probes", "precision", *FIXED})
