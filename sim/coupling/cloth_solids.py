@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scene.settings import given
 from sim.bodies.obstacles import Obstacles
 from sim.cloth.contact.collision import Wall
 from sim.cloth.contact.dynamic_solids import Bodies, Meetings
@@ -41,10 +42,19 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         hold.append(np.full(len(mesh.vertices), grip[1]))
         body.append(np.full(len(mesh.vertices), index))
     walls = [Wall(wall.normal, wall.offset, *_surface(spec, wall.body).grip) for wall in obstacles.walls]
-    parts = (np.concatenate(part) for part in (made, triangles, slide, hold, body))
-    names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
-    filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
-    return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
+    return Solids(
+        points=places(obstacles, time),
+        made=np.concatenate(made),
+        triangles=np.concatenate(triangles),
+        slide=np.concatenate(slide),
+        hold=np.concatenate(hold),
+        body=np.concatenate(body),
+        walls=walls,
+        names=[item.name for item in obstacles.placed],
+        wall_names=[wall.body for wall in obstacles.walls],
+        loose=list(obstacles.dynamic),
+        filled=[index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow],
+    )
 
 
 def places(obstacles: Obstacles, time: float) -> np.ndarray:
@@ -83,4 +93,4 @@ def push(cloth: ClothModel, rigid: RigidModel, dt: float) -> None:
 
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:
-    return spec.containers[name] if name in spec.containers else spec.rigid.bodies[name]
+    return spec.containers[name] if name in spec.containers else given(spec.rigid).bodies[name]

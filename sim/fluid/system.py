@@ -117,8 +117,8 @@ class Bodies(Protocol):
     def gather_pressures(self, ahead: float) -> None:
         """Note the forces of the pressures found, which are in search.x."""
 
-    def viscous_drag(self) -> ViscousDrag:
-        """Their part in the equations of implicit viscosity."""
+    def viscous_drag(self) -> ViscousDrag | None:
+        """Their part in the equations of implicit viscosity, if they have one."""
 
     def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""
@@ -346,7 +346,7 @@ class FluidSystem:
             fallen=int(total[15]),
             crowding_max=float(peak[16]),
             pressure_max=self.spec.rest_density * min(self.spec.rest_density * float(peak[17]), 0.5 * speed_limit**2),
-            height=_height(*total[18:21], float(np.linalg.norm(self.gravity))),
+            height=_height(total[18], total[19], total[20], float(np.linalg.norm(self.gravity))),
         )
         return self.measured
 

@@ -37,6 +37,11 @@ class SymplecticEuler(SmallSteps):
         """Largest steps [s] by what limits them."""
         return {"cloth stiffness": self.stable * MOST_SUBSTEPS}
 
+    def limiting_term(self, term: str) -> tuple[str, str]:
+        """What one of `limits` comes from, and what would help."""
+        remedy = "use cloth.integrator: implicit_euler, a lower stiffness, or a larger spacing"
+        return f"the stiffness of the cloth (explicit steps of {self.stable:.2g} s)", remedy
+
     def substeps(self, dt: float) -> int:
         return max(1, math.ceil(dt / self.stable))
 

@@ -14,8 +14,6 @@ class Force(ABC):
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     """Arrays of particles that it needs."""
-    BY_SOLIDS: ClassVar[bool] = False
-    """Whether solids are what exerts it, so that couplings return it to them."""
 
     def __init__(self, system: FluidSystem):
         self.system = system
@@ -28,3 +26,12 @@ class Force(ABC):
     @abstractmethod
     def accelerate(self) -> None:
         """Add to the accelerations; positions, velocities, densities and neighbours are given."""
+
+
+class ForceBySolids(Force):
+    """One that solids exert, so that couplings return it to them."""
+
+    samples: float
+    """Its strength against samples of sheets."""
+    solids: float
+    """Its strength against other solids."""

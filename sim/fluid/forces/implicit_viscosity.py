@@ -94,7 +94,7 @@ class Viscosity:
                 iterations += 1
             solved = self._is_solved()
         _finish(system.count, 1.0 / dt, solved, particles.velocity, particles.slowing, particles.residual)
-        if drag:
+        if drag and system.bodies:
             system.bodies.apply_viscosity(dt, drag.finish(solved=solved))
         return {"viscosity_iterations": iterations, "capped": not solved}
 

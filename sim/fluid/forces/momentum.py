@@ -12,6 +12,7 @@ import taichi as ti
 from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec3, vec4
 from sim.fluid.boundary.half_space import along_faces, face_damping
 from sim.fluid.boundary.look import surface_velocity
+from sim.fluid.forces.force import ForceBySolids
 from sim.fluid.forces.friction import NO_GRIP, face_friction, find_grip, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
@@ -50,7 +51,7 @@ class Momentum:
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.grip = find_grip(spec) if self.viscosity > 0 and solids else NO_GRIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        self.adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
+        self.adhesion = next((force for force in self._added if isinstance(force, ForceBySolids)), None)
         """`sim.fluid.forces.adhesion`, where there is any."""
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
@@ -67,6 +68,18 @@ class Momentum:
             "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": tension_limit(half, spec),
         }
+
+    def limiting_term(self, term: str) -> tuple[str, str]:
+        """What one of `step_limits` comes from, and what would help."""
+        spec = self.system.spec
+        match term:
+            case "viscosity":
+                remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
+                return f"the viscosity ({spec.viscosity:.3g} m^2/s)", remedy
+            case "surface tension":
+                tension = max(spec.surface_tension, spec.adhesion)
+                return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
+        raise ValueError(f"nothing limits steps by the name '{term}'")
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""
