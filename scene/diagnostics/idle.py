@@ -106,7 +106,7 @@ def cautions(scene: Scene) -> Iterator[Caution]:
     for dependence in DEPENDENCES:
         for setting in dependence.settings:
             for place in _given(data, setting):
-                on = tuple(key if part == ANY else part for part, key in zip(dependence.on, place, strict=True))
+                on = tuple(key if part == ANY else part for part, key in zip(dependence.on, place, strict=False))
                 value = _value(whole, on)
                 if not dependence.counts(value) and on not in varied:
                     yield Caution(f"changes nothing: {dependence.because.format(value=value)}", place)
