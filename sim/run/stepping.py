@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -21,7 +20,7 @@ from sim.run.placing.fluid_bodies import numbered, without
 from sim.run.probes import Probes
 from sim.run.reporting.counts import Counts
 from sim.run.reporting.notices import Notices
-from sim.run.time_steps import EventWindow, fit, wanted_step
+from sim.run.time_steps import EventWindow, fit, landing, wanted_step
 from sim.run.world import World
 from sim.spec import Event, SimulationSpec
 
@@ -110,11 +109,8 @@ class Run:
         Between two steps only.
         """
         end = (self.clock.frame + 1) / self.spec.fps
-        if self._window.opens == math.inf:
-            return end
-        ahead = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
-        at = min([self._window.opens, *ahead])
-        return at if at < end - 0.5 * self._last_step else end
+        known = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
+        return self._window.earliest(known, end, self._last_step)
 
     def bring_in(self, event: Event) -> None:
         """Add an event, which is not to happen before `earliest`."""
@@ -193,7 +189,10 @@ class Run:
 
     def _try_frame(self, output: Output, retry: int) -> Fault | None:
         """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
-        self._count_fallen(self.world.begin_frame())
+        fallen = self.world.begin_frame()
+        if fallen and not self.counts.particles_fallen:
+            self.notices.tell_fallen(self.world.depth)
+        self.counts.particles_fallen += fallen
         since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
         self._window.begin_frame(since, repeated=retry > 0)
         while True:
@@ -212,12 +211,6 @@ class Run:
                 self.clock.frame += 1
                 return None
 
-    def _count_fallen(self, number: int) -> None:
-        """Count particles that were taken out since they had fallen out of the scene, and tell of the first."""
-        if number and not self.counts.particles_fallen:
-            self.notices.tell_fallen(self.world.depth)
-        self.counts.particles_fallen += number
-
     def _step(self, until: float, output: Output) -> Fault | None:
         """One step, no further than to the time `until` [s], which is met exactly."""
         if self.stop_requested:
@@ -228,7 +221,7 @@ class Run:
         if fault is not None:
             return fault
         start = time.perf_counter()
-        target = self._target(until)
+        target = landing(until, self.world.next_keyframe(self.clock.time))
         rest = target - self.clock.time
         wanted = wanted_step(self.world.spec.step, limit, self.clock.last_step)
         even, longest = self.world.spec.step.fixed is None, wanted * self.clock.step_scale
@@ -251,11 +244,6 @@ class Run:
         output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, stats)
         self._sample(output)
         return None
-
-    def _target(self, until: float) -> float:
-        """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
-        keyframe = self.world.next_keyframe(self.clock.time)
-        return keyframe if keyframe < until - TIME_TOLERANCE else until
 
     def _apply_events(self, events: list[Event]) -> None:
         """Build the world anew as events that happen now want it, with the particles there are."""

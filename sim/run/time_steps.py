@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from scene.events import TIME_TOLERANCE
 from sim.spec import TimeStep
 
 GROWTH = 1.1
@@ -34,6 +35,11 @@ def fit(step: float, rest: float, *, even: bool) -> float:
     return rest / 2 if even and 2 * step > rest else step
 
 
+def landing(until: float, keyframe: float) -> float:
+    """The time [s] to land on before `until`: no `keyframe`, where the velocity of a body jumps, is stepped over."""
+    return keyframe if keyframe < until - TIME_TOLERANCE else until
+
+
 class EventWindow:
     """From when on an event can come into a frame as if it had been known from the start: steps are shared out evenly
     up to the next event, so that one that is near would have changed those taken until now."""
@@ -48,6 +54,12 @@ class EventWindow:
         """At `time` [s]; into a frame that is repeated nothing comes in: what was tried before would have met it."""
         self._repeated = repeated
         self.opens = math.inf if repeated else time
+
+    def earliest(self, known: list[float], end: float, last_step: float) -> float:
+        """The earliest time [s] for an event that comes in: with one of the `known` in the rest of the frame, or when
+        the window opens; but the `end` of the frame where less than half of `last_step` [s] is left then."""
+        at = min([self.opens, *known])
+        return at if self.opens < math.inf and at < end - 0.5 * last_step else end
 
     def step(self, time: float, longest: float, *, even: bool) -> None:
         """A step begins at `time` [s] that may have been `longest` [s]."""
