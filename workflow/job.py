@@ -19,10 +19,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from common.command import end_with
-from workflow import process
-from workflow.process import Interrupted, Log
-from workflow.result_folder import explain, only_one, partial_folder, publish, set_aside, sweep, workplace
-from workflow.verdict import MEANINGS, judge, verdict
+from workflow.running import process
+from workflow.running.process import Interrupted, Log
+from workflow.running.result_folder import explain, only_one, partial_folder, publish, set_aside, sweep, workplace
+from workflow.running.verdict import MEANINGS, judge, verdict
 
 PLACEHOLDER = "@OUT"
 

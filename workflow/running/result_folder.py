@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from common.manifest import Manifest
-from workflow.process import Log
-from workflow.verdict import MEANINGS
+from workflow.running.process import Log
+from workflow.running.verdict import MEANINGS
 
 NEARLY_FULL = 4 * 1024 * 1024
 """Free space on the disk below which a failure is put down to it [bytes]."""
