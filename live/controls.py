@@ -10,8 +10,11 @@ from typing import Any, Literal
 
 import yaml
 
-from scene.document import parse
 from scene.events import FIXED
+from scene.reader import parse
+from scene.settings import choices
+from sim.cloth.spec import Cloth
+from sim.fluid.spec import Fluid
 from sim.spec import SimulationSpec
 
 NOT_HERE = frozenset({"events", "probes", "precision", *FIXED})
@@ -23,8 +26,8 @@ PLACED = frozenset(
 )
 """Of bodies: where they are and what they are is changed by other means, or not at all."""
 METHODS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "fluid": ("solver", ("wcsph", "pcisph", "iisph", "dfsph")),
-    "cloth": ("integrator", ("implicit_euler", "symplectic_euler", "xpbd")),
+    "fluid": ("solver", choices(Fluid, "solver")),
+    "cloth": ("integrator", choices(Cloth, "integrator")),
 }
 """Groups of settings of which only the chosen one counts."""
 USUAL = {"m/s^2": (-20.0, 20.0)}

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import viser
 
     from live.orders import Orders
-    from live.session import Change, Session
+    from live.playing.session import Change, Session
     from sim.spec import SimulationSpec
 
 FOR_EVER = 1e6
@@ -83,7 +83,7 @@ class Handling:
             if held is not None:
                 self.change({"set": {f"rigid.bodies.{held}.pulls": []}})
             return
-        picture, name = self.session.picture, self._body.value
+        picture, name = self.session.display.picture, self._body.value
         if picture is None or name not in picture.poses:
             self._drag.value = False  # type: ignore[misc]  # viser's setter stands apart from its getter
             return

@@ -20,7 +20,7 @@ from live.panel import Panel
 from live.view import View
 
 if TYPE_CHECKING:
-    from live.session import Session
+    from live.playing.session import Session
 
 log = logging.getLogger(__name__)
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
@@ -128,7 +128,7 @@ class Page:
         with self._lock:
             self._viewers[number] = Viewer(client, view, panel, take)
             self._show_who_steers()
-            self.session.watched = True
+            self.session.display.watched = True
         if number not in self.server.get_clients():
             self._left(client)
 
@@ -138,7 +138,7 @@ class Page:
             if self._steers == client.client_id:
                 self._steers = next(iter(self._viewers), None)
                 self._show_who_steers()
-            self.session.watched = bool(self._viewers)
+            self.session.display.watched = bool(self._viewers)
             if self.stop_when_left and came and not self._viewers:
                 self.session.close()
 
@@ -169,7 +169,7 @@ class Page:
             time.sleep(LOOK)
 
     def _send_to(self, viewer: Viewer) -> None:
-        picture, scenery, now = self.session.picture, self.session.scenery, time.perf_counter()
+        picture, scenery, now = self.session.display.picture, self.session.display.scenery, time.perf_counter()
         if picture is not None and picture.scenery == scenery.number:
             wanted = (id(picture), viewer.view.colouring)
             if viewer.shown != wanted:

@@ -21,7 +21,7 @@ from scene.settings import Refused
 if TYPE_CHECKING:
     import viser
 
-    from live.session import Change, Session
+    from live.playing.session import Change, Session
     from live.view import View
 
 MATERIALS = ("rigid", "fluid", "cloth")
@@ -69,8 +69,8 @@ class Panel:
             f"**{status.mode}** at {status.time:.3f} s, frame {status.frame}",
             f"{status.particles:,} particles, {status.steps_per_second:.0f} steps/s, {status.factor:.3g} of real time",
         ]
-        if session.waiting:
-            lines.append(f"{session.waiting} changes wait for the next steps")
+        if session.played.waiting:
+            lines.append(f"{session.played.waiting} changes wait for the next steps")
         if status.problem:
             lines.append(
                 "**"
@@ -137,7 +137,7 @@ class Panel:
         )
 
     def _draw_plots(self) -> None:
-        course = self.session.course.columns()
+        course = self.session.display.course.columns()
         times, now = course["time"], time.monotonic()
         if len(times) < 2 or times[-1] == self._plotted or now < self._plotted_at + DRAWN_EVERY:
             return
@@ -165,7 +165,7 @@ class Panel:
     def _place(self, shown: bool) -> None:
         """Show what says where the next shape comes."""
         if self._gizmo is None:
-            picture = self.session.picture
+            picture = self.session.display.picture
             at = np.mean(self.session.bounds, axis=0) if picture is not None else np.zeros(3)
             self._gizmo = self.client.scene.add_transform_controls("/place", scale=0.2, position=at)
         self._gizmo.visible = shown

@@ -9,7 +9,7 @@ from typing import Any
 
 from common.signals import hand_over
 from live.page import LOOPBACK, Page, new_token
-from live.session import Session
+from live.playing.session import Session
 from scene.load import Scene
 
 

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 if TYPE_CHECKING:
     import viser
 
-    from live.picture import Picture, Scenery
+    from live.playing.picture import Picture, Scenery
 
 Colouring = Literal["water", "speed", "density error", "material"]
 COLOURINGS: tuple[Colouring, ...] = ("water", "speed", "density error", "material")

@@ -6,236 +6,24 @@ Lengths are in metres and y is up, as in the simulation. A direction is given by
 
 from __future__ import annotations
 
-import itertools
-from functools import reduce
-from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Gt, Le, Len, Lt
-from pydantic import BeforeValidator, Field, field_validator, model_validator
-from pydantic_core import PydanticCustomError
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import BeforeValidator, Field, model_validator
 
-from common.registry import added
+from render.camera_settings import Camera, camera_is_there, changed
 from render.color import Color, srgb
-from scene.diagnostics.suggestions import suggestion
+from render.looks.spec import Fraction, Look, Matte, Water
 from scene.settings import Name, Settings
-from scene.units import Angle, Dimensionless, Duration, Length, Position, PositiveLength, Unit
+from scene.units import Angle, Dimensionless, Length, Position, PositiveLength, Unit
 
-Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
-Elevation = Annotated[Angle, Ge(-89), Le(89)]
-RefractiveIndex = Annotated[Dimensionless, Ge(1), Le(4)]
 Pixels = Annotated[int, Ge(16), Le(16384)]
 Irradiance = Annotated[float, Ge(0), Le(1e6), Unit("W/m^2")]
 Power = Annotated[float, Ge(0), Le(1e9), Unit("W")]
 
 
-class Water(Settings):
-    """A clear liquid that tints the light on its way through."""
-
-    type: Literal["water"] = "water"
-    color: Color = srgb("#48abc9")
-    """What is left of white light after `clarity` metres."""
-    clarity: PositiveLength | None = None
-    """Way through the liquid after which white light has the `color` [m]; without it, 0.4 of
-    the diagonal of the box of the action, so that a glass and a harbour both look like water."""
-    ior: RefractiveIndex = 1.333
-    """Index of refraction."""
-    roughness: Fraction = 0.0
-    """0 is a mirror-smooth surface."""
-
-
-PRINCIPLED_COLORS = ("Base Color", "Specular Tint", "Coat Tint", "Sheen Tint", "Emission Color")
-PRINCIPLED_NUMBERS = (
-    *("Metallic", "Roughness", "IOR", "Alpha", "Diffuse Roughness"),
-    *("Subsurface Weight", "Subsurface Scale", "Subsurface IOR", "Subsurface Anisotropy"),
-    *("Specular IOR Level", "Anisotropic", "Anisotropic Rotation", "Transmission Weight"),
-    *("Coat Weight", "Coat Roughness", "Coat IOR", "Sheen Weight", "Sheen Roughness"),
-    *("Emission Strength", "Thin Film Thickness", "Thin Film IOR"),
-)
-
-
-class PrincipledLook(Settings):
-    """A look that Blender's Principled BSDF makes."""
-
-    principled: dict[str, Dimensionless | Color] = {}
-    """Inputs of Blender's Principled BSDF by their names in Blender, in place of what the look gives them, as
-    `{Coat Weight: 1, Emission Color: "#ff8800", Emission Strength: 3}`."""
-
-    @field_validator("principled")
-    @classmethod
-    def _inputs_that_it_has(cls, values: dict[str, Any]) -> dict[str, Any]:
-        for name, value in values.items():
-            if name not in PRINCIPLED_COLORS + PRINCIPLED_NUMBERS:
-                close = suggestion(name, PRINCIPLED_COLORS + PRINCIPLED_NUMBERS)
-                raise ValueError(f"the Principled BSDF has no input '{name}' that can be set: {close}")
-            if isinstance(value, tuple) is not (name in PRINCIPLED_COLORS):
-                kind, example = ("colour", "'#ff8800'") if name in PRINCIPLED_COLORS else ("number", "0.5")
-                raise ValueError(f"{name} must be a {kind}: write one, as {example}")
-        return values
-
-
-class Plastic(PrincipledLook):
-    """A coloured body under a clear, slightly glossy coat."""
-
-    type: Literal["plastic"]
-    color: Color | None = None
-    """Without it, the colours that a body's mesh file gives to its vertices, or `#e4572e` where it gives none."""
-    roughness: Fraction = 0.3
-    """0 is a mirror-smooth surface."""
-
-
-class Metal(PrincipledLook):
-    """Bare metal."""
-
-    type: Literal["metal"]
-    color: Color = srgb("#c9ccd1")
-    """Colour of the reflection."""
-    roughness: Fraction = 0.25
-    """0 is a mirror, 0.25 brushed, 0.5 cast."""
-
-
-class Stone(PrincipledLook):
-    """Rough stone with grains and stains."""
-
-    type: Literal["stone"]
-    color: Color = srgb("#8d8a84")
-    roughness: Fraction = 0.75
-    """0 is polished."""
-    grain: PositiveLength | None = None
-    """Size of the stains [m]; the grains are a tenth of it. Without it, a fifth of the body's diagonal."""
-
-
-class Matte(Settings):
-    """Chalk, paper, clay: no gloss at all."""
-
-    type: Literal["matte"]
-    color: Color = srgb("#d9d5cc")
-
-
-class ClothLook(PrincipledLook):
-    """Woven cloth: soft, with a sheen at grazing angles, letting some light through."""
-
-    type: Literal["cloth"]
-    color: Color = srgb("#b23a48")
-    roughness: Fraction = 0.8
-    """Of the sheen; 0.3 is satin, 1 felt."""
-    sheen: Fraction = 0.3
-    """Strength of the sheen."""
-    translucency: Fraction = 0.15
-    """Share of the light that comes through to the other side."""
-
-
-class Glass(Settings):
-    """Clear glass."""
-
-    type: Literal["glass"]
-    color: Color = srgb("#fcfefd")
-    """Colour of what is seen through one surface."""
-    ior: RefractiveIndex = 1.5
-    """Index of refraction."""
-    roughness: Fraction = 0.0
-    """0 is clear, 0.3 frosted."""
-
-
-LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
-
-if TYPE_CHECKING:
-    Look = Any
-else:
-    Look = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]
-
-
 def _water_unless_told(value: Any) -> Any:
     return {"type": "water", **value} if isinstance(value, dict) else value
-
-
-def _changed(settings: Settings, *names: str) -> list[str]:
-    """Which of the settings differ from their defaults: what a canonical dump sets is not what a user wrote."""
-    return [name for name in names if getattr(settings, name) != type(settings).model_fields[name].default]
-
-
-class DepthOfField(Settings):
-    """What is nearer or farther than the focus is blurred."""
-
-    f_stop: Annotated[Dimensionless, Gt(0), Le(1000)] = 2.8
-    """Focal length over aperture: the smaller, the more blur. The lens is that of a full-frame camera."""
-    focus: Position | None = None
-    """The point in focus [m]; without it, what the camera looks at."""
-
-
-class CameraKeyframe(Settings):
-    """Where the camera is at one time."""
-
-    at: Duration
-    """Simulated time [s]."""
-    position: Position
-    """Where it stands [m]."""
-    target: Position
-    """What it looks at [m]."""
-    field_of_view: Annotated[Angle, Gt(1), Lt(170)] | None = None
-    """Across the longer side of the picture; without it, that of the camera."""
-
-    @model_validator(mode="after")
-    def _faces_a_direction(self) -> Self:
-        if self.position == self.target:
-            raise ValueError("position and target must differ: move one of them")
-        return self
-
-
-class Camera(Settings):
-    """Placed by `position` and `target`, or moved by `keyframes`; without them it frames the box of the action by
-    itself."""
-
-    position: Position | None = None
-    """Where the camera stands [m]."""
-    target: Position | None = None
-    """What it looks at [m]."""
-    keyframes: Annotated[tuple[CameraKeyframe, ...], Len(0, 1000)] = ()
-    """A camera that moves: smoothly through these places, softly from the first and to the last."""
-    azimuth: Angle = 24.0
-    """Automatic framing: from which side it looks; 0 deg is from the front (+z), 90 deg from the right (+x)."""
-    elevation: Elevation = 17.0
-    """Automatic framing: how high above the horizon it stands."""
-    margin: Annotated[Dimensionless, Ge(0), Le(0.8)] = 0.1
-    """Automatic framing: share of the picture's half width and half height that stays free."""
-    field_of_view: Annotated[Angle, Gt(1), Lt(170)] = 32.0
-    """Across the longer side of the picture."""
-    focal_length: PositiveLength | None = None
-    """Instead of the field of view: that of a full-frame camera (36 mm across the longer side), as `50 mm`."""
-    depth_of_field: DepthOfField | None = None
-    """Without it everything is in focus."""
-
-    @model_validator(mode="after")
-    def _placed_or_automatic(self) -> Self:
-        if (self.position is None) != (self.target is None):
-            raise ValueError("position and target belong together: give both, or neither for automatic framing")
-        if len(self.keyframes) == 1:
-            raise ValueError("one keyframe is no move: give two or more, or position and target")
-        if any(early.at >= late.at for early, late in itertools.pairwise(self.keyframes)):
-            raise ValueError("the times of the keyframes must grow: sort them, no two at the same")
-        if self.keyframes and self.position is not None:
-            raise ValueError("keyframes and position exclude each other: remove one of them")
-        if self.position is not None or self.keyframes:
-            if self.position is not None and self.position == self.target:
-                raise ValueError("position and target must differ: move one of them")
-            idle = _changed(self, "azimuth", "elevation", "margin")
-            if idle:
-                raise ValueError(
-                    f"{', '.join(idle)} of the automatic framing and a camera that is placed exclude each other: "
-                    "remove one of them"
-                )
-        if self.focal_length is not None and _changed(self, "field_of_view"):
-            raise ValueError("field_of_view and focal_length exclude each other: remove one of them")
-        return self
-
-
-def _camera_is_there(value: Any) -> Any:
-    if value is None:
-        raise PydanticCustomError(
-            "camera_missing",
-            "camera missing: leave the key out for automatic framing, or give position and target",
-        )
-    return value
 
 
 class Sun(Settings):
@@ -286,7 +74,7 @@ class Environment(Settings):
 
     @model_validator(mode="after")
     def _one_panorama(self) -> Self:
-        if self.file is not None and _changed(self, "light"):
+        if self.file is not None and changed(self, "light"):
             raise ValueError("light and file exclude each other: remove one of them")
         return self
 
@@ -388,7 +176,7 @@ class RenderSpec(Settings):
     """Of AgX and Filmic."""
     exposure: Annotated[Dimensionless, Ge(-20), Le(20)] = 0.0
     """In stops: each one doubles the brightness."""
-    camera: Annotated[Camera, BeforeValidator(_camera_is_there)] = Camera()
+    camera: Annotated[Camera, BeforeValidator(camera_is_there)] = Camera()
     lights: Lights = Lights()
     background: Background = GradientBackground(type="gradient")
     """What the camera sees behind the scene."""

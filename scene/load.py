@@ -16,9 +16,10 @@ from scene import assets
 from scene.diagnostics.problems import explain
 from scene.diagnostics.suggestions import suggestion
 from scene.diagnostics.support import refuse_unsupported
-from scene.document import Document, SceneError, dotted, read
+from scene.document import Document, SceneError, dotted
 from scene.names import FLUID, resolve, resolve_one
 from scene.presets import QUALITIES, Quality, below
+from scene.reader import assign, read
 from scene.settings import Caution, Refused
 from scene.units import PositiveDuration
 from scene.wedge import MARK, Combination, combinations
@@ -124,7 +125,7 @@ def _prepare(
     for override in overrides:
         if override.partition("=")[0].partition(".")[0].strip() in {"quality", "presets"}:
             raise SceneError([f"--set {override}: presets are chosen before\n  fix: use --quality {quality}"])
-        document.set(override)
+        assign(document, override)
     return replace(compose(document, path, str(quality), root), written=written, overrides=tuple(overrides))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, StringConstraints
 
@@ -27,6 +27,21 @@ class Settings(BaseModel):
 def canonical_json(data: Any) -> str:
     """The same text for equal data: keys in order, no blanks. Raises ValueError for numbers that are not finite."""
     return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+Given = TypeVar("Given")
+
+
+def given(settings: Given | None) -> Given:
+    """Settings that a scene may lack, by those who are asked only where it has them; raises LookupError otherwise."""
+    if settings is None:
+        raise LookupError("the scene has no such settings")
+    return settings
+
+
+def choices(model: type[Settings], setting: str) -> tuple[str, ...]:
+    """The names that a setting chooses one of, those that installed packages add included."""
+    return get_args(model.model_fields[setting].annotation)
 
 
 class Refused(Exception):

@@ -26,11 +26,11 @@ from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
 from sim.device import precision, runtime
 from sim.run.checkpoint import Checkpoint, state_name
-from sim.run.extent import filmed
 from sim.run.failure import Fault, Interrupted, Stopped, report
 from sim.run.output import Output
-from sim.run.progress import Progress
-from sim.run.shortfalls import Work, shortfalls
+from sim.run.placing.extent import filmed
+from sim.run.reporting.progress import Progress
+from sim.run.reporting.shortfalls import Work, shortfalls
 from sim.run.stepping import Run
 from sim.spec import SimulationSpec
 
@@ -92,7 +92,7 @@ def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float)
         raise _not_writable(out, error) from None
 
     def done() -> None:
-        reserve.hold(run.good.bytes + ROOM)
+        reserve.hold(run.last_good.bytes + ROOM)
         progress.update(run)
 
     status, failure = DONE, None
@@ -115,7 +115,7 @@ def _carry_out(run: Run, out: Path, last: int, progress: Progress, began: float)
         output.close()
         reserve.release()
     for text in shortfalls(run.world.spec, before, run.counts, _work(run)):
-        run.tell(text)
+        run.notices.tell(text)
     try:
         with signals.handled(signal.SIG_IGN):
             if failure:
@@ -210,8 +210,8 @@ def _summary(run: Run, status: int, start_time: float, wall: float) -> dict[str,
             "boundary_samples": run.world.fluid.system.boundary.sampled if run.world.fluid else 0,
         },
         "repaired": repaired,
-        "untangled": run.untangled,
-        "warnings": run.warnings,
+        "untangled": run.notices.untangled,
+        "warnings": run.notices.warnings,
         "simulated_s": round((run.good.clock.time if run.good else start_time) - start_time, 9),
         "wall_s": run.stopwatch.rounded() | {"total": round(wall, 4)},
         "particle_steps_per_s": round(run.particle_steps / stepping) if stepping > 0 else 0,

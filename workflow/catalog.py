@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from common.command import end_with
-from scene.document import SceneError, read
+from scene.document import SceneError
 from scene.load import Scene, combination_of, load
 from scene.presets import QUALITIES
+from scene.reader import read
 from scene.settings import Refused
 from scene.wedge import MARK, Combination, split
 from workflow.plan.aims import AIMS, Aim, aim_of

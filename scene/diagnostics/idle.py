@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from scene.document import Location
 from scene.load import Scene
-from scene.settings import Caution
+from scene.settings import Caution, Settings, choices
+from sim.cloth.spec import Cloth
+from sim.fluid.spec import Fluid
 
 ANY = "*"
 """In a path: each name there is."""
@@ -25,10 +29,12 @@ class Dependence:
     """With {value}, that of the other setting."""
 
 
-def _section(path: str, name: str, of: str) -> Dependence:
-    """Settings of one of several methods."""
-    other = f"it is for {of}: {name}, and the scene has {of}: {{value}}: change one of the two, or remove it"
-    return Dependence(((path, name),), (path, of), lambda value: value == name, other)
+def _sections(path: str, model: type[Settings], of: str) -> Iterator[Dependence]:
+    """Settings of each of the methods that the setting `of` chooses from; those of installed packages are in extra."""
+    for name in choices(model, of):
+        section = (path, name) if name in model.model_fields else (path, "extra", name)
+        other = f"it is for {of}: {name}, and the scene has {of}: {{value}}: change one of the two, or remove it"
+        yield Dependence((section,), (path, of), functools.partial(operator.eq, name), other)
 
 
 def _within(path: Location, names: str, on: str, counts: Callable[[Any], bool], because: str) -> Dependence:
@@ -39,7 +45,7 @@ def _within(path: Location, names: str, on: str, counts: Callable[[Any], bool], 
 _NO_MASS = "a body of motion: {value} obeys no forces, whatever it weighs: add `motion: dynamic`, or remove it"
 _OFF = "strength: 0 switches this light off: raise strength, or remove it"
 DEPENDENCES = (
-    *(_section("fluid", name, "solver") for name in ("wcsph", "pcisph", "iisph", "dfsph")),
+    *_sections("fluid", Fluid, "solver"),
     _within(
         ("fluid", "dfsph"),
         "hyperviscosity",
@@ -47,7 +53,7 @@ DEPENDENCES = (
         lambda value: value == "conjugate_gradients",
         "iteration: jacobi damps nothing: change iteration to conjugate_gradients, or remove it",
     ),
-    *(_section("cloth", name, "integrator") for name in ("implicit_euler", "symplectic_euler", "xpbd")),
+    *_sections("cloth", Cloth, "integrator"),
     _within(("rigid", "bodies", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),
     _within(("events", ANY, "add", "rigid", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),
     _within(
@@ -100,7 +106,7 @@ def cautions(scene: Scene) -> Iterator[Caution]:
     for dependence in DEPENDENCES:
         for setting in dependence.settings:
             for place in _given(data, setting):
-                on = tuple(key if part == ANY else part for part, key in zip(dependence.on, place, strict=True))
+                on = tuple(key if part == ANY else part for part, key in zip(dependence.on, place, strict=False))
                 value = _value(whole, on)
                 if not dependence.counts(value) and on not in varied:
                     yield Caution(f"changes nothing: {dependence.because.format(value=value)}", place)

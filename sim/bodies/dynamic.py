@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,7 +17,7 @@ class Dynamic:
     start: where it is placed, and how fast it is then; turn: the rotation of its own axes as placed, shape [3, 3].
     """
 
-    obeys_forces = True
+    obeys_forces: Literal[True] = True
 
     def __init__(self, start: Movement, turn: np.ndarray):
         self.turn = turn

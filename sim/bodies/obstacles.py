@@ -14,8 +14,8 @@ from scene.settings import Refused
 from sim.bodies.planes import PlaneWall, box_bounds, plane_of, sides_of
 from sim.geometry.shapes import place
 from sim.geometry.solids import Solid
-from sim.geometry.spec import Placement, Plane
-from sim.spec import SIDES, BoxContainer, SimulationSpec
+from sim.geometry.spec import Plane
+from sim.spec import SIDES, BoxContainer, MeshContainer, SimulationSpec
 
 if TYPE_CHECKING:
     from sim.bodies.dynamic import Dynamic
@@ -36,6 +36,20 @@ class Obstacle:
     hollow: bool = False
     motion: Prescribed | Dynamic | None = None
 
+    @property
+    def dynamic(self) -> Dynamic:
+        """The motion of a body that obeys forces; raises ValueError for others."""
+        if self.motion is None or not self.motion.obeys_forces:
+            raise ValueError(f"'{self.name}' obeys no forces")
+        return self.motion
+
+    @property
+    def prescribed(self) -> Prescribed:
+        """The motion that the scene prescribes; raises ValueError for bodies that stand or obey forces."""
+        if self.motion is None or self.motion.obeys_forces:
+            raise ValueError(f"the scene prescribes no motion of '{self.name}'")
+        return self.motion
+
     def movement(self, time: float) -> Movement | None:
         """How the solid has been moved at `time` [s]; None for one that stands."""
         return self.motion.at(time) if self.motion else None
@@ -49,10 +63,18 @@ class Obstacle:
         """Centre of mass as placed [m], or of the bounding box of a surface without inside, shape [3]."""
         return self.solid.mass_properties(1.0).centre if self.solid.closed else self.solid.bounds.mean(axis=0)
 
+    @property
+    def pivot(self) -> np.ndarray:
+        """The origin about which a body that moves turns, as placed [m], shape [3]; raises ValueError for one that
+        stands."""
+        if self.motion is None:
+            raise ValueError(f"'{self.name}' stands")
+        return self.motion.pivot
+
     @functools.cached_property
     def reach(self) -> float:
         """Greatest distance [m] of its surface from the origin about which it turns."""
-        return float(np.linalg.norm(self.solid.mesh.vertices - self.motion.pivot, axis=1).max())
+        return float(np.linalg.norm(self.solid.surface.vertices - self.pivot, axis=1).max())
 
     @functools.cached_property
     def size(self) -> float:
@@ -65,7 +87,7 @@ class Obstacle:
     @functools.cached_property
     def bounds(self) -> np.ndarray:
         """Box around all places where it comes [m], shape [2, 3]; a motion without end counts where it starts."""
-        return self.motion.sweep(self.solid.mesh.vertices) if self.motion else np.asarray(self.solid.bounds)
+        return self.motion.sweep(self.solid.surface.vertices) if self.motion else np.asarray(self.solid.bounds)
 
     @property
     def fastest(self) -> float:
@@ -103,7 +125,7 @@ class Obstacles:
     @property
     def endless(self) -> bool:
         """Whether a body moves on for ever as the scene prescribes."""
-        return any(item.motion.endless for item in self.prescribed.values())
+        return any(item.prescribed.endless for item in self.prescribed.values())
 
     def bounds(self) -> list[np.ndarray]:
         """Boxes around everything that ends somewhere [m], each of shape [2, 3]."""
@@ -143,7 +165,7 @@ def find_obstacles(spec: SimulationSpec, folder: Path) -> Obstacles:
 
 
 def _body(name: str, body: RigidBody, folder: Path) -> Obstacle:
-    motion = None
+    motion: Prescribed | Dynamic | None = None
     if body.motion == "prescribed":
         from sim.bodies.prescribed import Prescribed
 
@@ -171,7 +193,7 @@ def _dynamic(body: RigidBody, solid: Solid, location: tuple[str, ...]) -> Dynami
     return Dynamic(Movement(mass.centre, mass.centre, np.eye(3), *velocities), solid.pose.rotation)
 
 
-def _placed(body: Placement, folder: Path, location: tuple[str, ...]) -> Solid:
+def _placed(body: RigidBody | MeshContainer, folder: Path, location: tuple[str, ...]) -> Solid:
     try:
         return place(body.shape, body, folder)
     except Refused as refused:

@@ -30,7 +30,7 @@ def _meetings(obstacles: Obstacles, dynamic: dict[int, Obstacle]) -> Iterator[tu
     hollow = [item for item in obstacles.placed if item.hollow]
     for item in dynamic.values():
         for wall in obstacles.walls:
-            lowest = float((item.solid.mesh.vertices @ wall.normal).min())
+            lowest = float((item.solid.surface.vertices @ wall.normal).min())
             yield item.name, wall.body, wall.offset - lowest, item.size
         for other in hollow:
             yield item.name, other.name, _depth_in_wall(item, other), min(item.size, other.size)
@@ -66,7 +66,7 @@ def _depth(one: Obstacle, other: Obstacle) -> float:
 
 def _surface(item: Obstacle, within: np.ndarray) -> np.ndarray:
     """Points of a surface [m], shape [n, 3], in a box: vertices, and points on the triangles that reach into it."""
-    mesh = item.solid.mesh
+    mesh = item.solid.surface
     corners = mesh.vertices[mesh.faces]
     near = np.all((corners.max(axis=1) >= within[0]) & (corners.min(axis=1) <= within[1]), axis=1)
     if not near.any():

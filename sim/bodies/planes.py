@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.geometry.solids import rotation_matrix
+from sim.geometry.pose import rotation_matrix
 from sim.geometry.spec import Placement, Plane
 from sim.spec import SIDES, BoxContainer, SimulationSpec
 

@@ -14,26 +14,32 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from scene.events import TIME_TOLERANCE
 from sim.bodies.movement import Movement
-from sim.geometry.solids import rotation_matrix
+from sim.geometry.pose import rotation_matrix
 
 
 class Led(Protocol):
     """What a scene says of something that it leads: keyframes, or velocities from `start` on."""
 
-    position: Sequence[float]
-    rotation: Sequence[Any]
-    velocity: Sequence[float]
-    angular_velocity: Sequence[float]
-    start: float | None
-    keyframes: Sequence[Any]
-    """Each with `at`, `position` and `rotation`."""
+    @property
+    def position(self) -> Sequence[float]: ...
+    @property
+    def rotation(self) -> Sequence[Any]: ...
+    @property
+    def velocity(self) -> Sequence[float]: ...
+    @property
+    def angular_velocity(self) -> Sequence[float]: ...
+    @property
+    def start(self) -> float | None: ...
+    @property
+    def keyframes(self) -> Sequence[Any]:
+        """Each with `at`, `position` and `rotation`."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +62,7 @@ class Prescribed:
     Velocities at the time of a keyframe are those after it.
     """
 
-    obeys_forces = False
+    obeys_forces: Literal[False] = False
 
     def __init__(self, body: Led):
         self._pieces = _between_keyframes(body) if body.keyframes else _constant(body)

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scene.events import spec_at
-from sim.run.world import Counts, World
+from sim.run.placing.placed_scene import PlacedScene
+from sim.run.reporting.counts import Counts
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.cloth.model import PlacedSheet
+    from sim.cloth.spec import Air
     from sim.fluid.spec import Fluid
 
 NUMERICAL = 0.3
@@ -44,23 +46,23 @@ class Explanation:
 
 def explain(spec: SimulationSpec, folder: Path, duration: float) -> Explanation:
     """Look at a scene as it starts, `duration` in s; what events add counts as there. Raises Refused."""
-    world = World(spec_at(spec, 0.0), folder)
+    placed = PlacedScene(spec_at(spec, 0.0), folder)
     return Explanation(
-        [*_fluid(spec, world), *_bodies(spec), *_cloth(spec, world), *_couplings(spec), *_rest(spec)],
+        [*_fluid(spec, placed), *_bodies(spec), *_cloth(spec, placed), *_couplings(spec), *_rest(spec)],
         [*_absent(spec)],
-        [*_droppable(spec, world, duration)],
+        [*_droppable(spec, placed, duration)],
     )
 
 
-def _fluid(spec: SimulationSpec, world: World) -> Iterator[Line]:
+def _fluid(spec: SimulationSpec, placed: PlacedScene) -> Iterator[Line]:
     fluid = spec.fluid
     if fluid is None:
         return
-    count = _particles(world, fluid)
+    count = _particles(placed, fluid)
     yield Line("fluid", f"{count:,} particles at distances of {_length(fluid.spacing)} by {fluid.solver.upper()}")
-    for volume in world.volumes.values():
+    for volume in placed.volumes.values():
         yield Line("fluid.bodies", volume.line())
-    for text in world.warnings():
+    for text in placed.warnings():
         yield Line("fluid", f"warning: {text}")
     for name, term in _terms(fluid):
         if term:
@@ -69,11 +71,11 @@ def _fluid(spec: SimulationSpec, world: World) -> Iterator[Line]:
         yield Line("fluid", "emitters and drains: particles come and go")
 
 
-def _particles(world: World, fluid: Fluid) -> int:
+def _particles(placed: PlacedScene, fluid: Fluid) -> int:
     from sim.fluid.model import FluidState
 
     names = list(fluid.bodies)
-    return world.pour(FluidState(), names, names, Counts(), 0.0).count if names else 0
+    return placed.pour(FluidState(), names, names, Counts(), 0.0).count if names else 0
 
 
 def _terms(fluid: Fluid) -> Iterator[tuple[str, str]]:
@@ -87,7 +89,8 @@ def _terms(fluid: Fluid) -> Iterator[tuple[str, str]]:
 
 
 def _bodies(spec: SimulationSpec) -> Iterator[Line]:
-    kinds = Counter(body.motion for body in spec.rigid.bodies.values()) if spec.rigid else Counter()
+    kinds: Counter[str] = Counter()
+    kinds.update(body.motion for body in (spec.rigid.bodies.values() if spec.rigid else ()))
     for event in spec.events:
         kinds.update(body.motion for body in event.add.rigid.values())
     words = {
@@ -100,10 +103,10 @@ def _bodies(spec: SimulationSpec) -> Iterator[Line]:
             yield Line("rigid", f"{kinds[kind]} {text}")
 
 
-def _cloth(spec: SimulationSpec, world: World) -> Iterator[Line]:
+def _cloth(spec: SimulationSpec, placed: PlacedScene) -> Iterator[Line]:
     if spec.cloth is None:
         return
-    points = sum(len(item.fabric.points) for item in world.sheets)
+    points = sum(len(item.fabric.points) for item in placed.sheets)
     yield Line("cloth", f"{points:,} points by {spec.cloth.integrator.replace('_', ' ')}, with contacts of its own")
     if spec.cloth.air is not None:
         yield Line("cloth.air", "drag and wind on every triangle")
@@ -148,18 +151,17 @@ def _absent(spec: SimulationSpec) -> Iterator[Line]:
         yield Line("cloth.air", "left out: the cloth is in a vacuum")
 
 
-def _droppable(spec: SimulationSpec, world: World, duration: float) -> Iterator[Line]:
+def _droppable(spec: SimulationSpec, placed: PlacedScene, duration: float) -> Iterator[Line]:
     gravity = float(np.linalg.norm(spec.gravity))
     if spec.fluid is not None:
-        yield from _idle_fluid_terms(spec, gravity, world.drop)
+        yield from _idle_fluid_terms(spec, spec.fluid, gravity, placed.drop)
     if spec.cloth is not None and spec.cloth.air is not None and not any(spec.cloth.air.wind):
-        yield from _idle_air(spec, world, gravity, duration)
-    if spec.fluid is not None and world.sheets and not _meet(spec, world, gravity, duration):
+        yield from _idle_air(spec.cloth.air, placed, gravity, duration)
+    if spec.fluid is not None and placed.sheets and not _meet(spec, spec.fluid, placed, gravity, duration):
         yield Line("cloth and fluid", f"cannot meet within {duration:g} s: two scenes would cost less")
 
 
-def _idle_fluid_terms(spec: SimulationSpec, gravity: float, drop: float) -> Iterator[Line]:
-    fluid = spec.fluid
+def _idle_fluid_terms(spec: SimulationSpec, fluid: Fluid, gravity: float, drop: float) -> Iterator[Line]:
     numerical = NUMERICAL * fluid.spacing * math.sqrt(gravity * drop)
     if 0 < fluid.viscosity < NEGLIGIBLE * numerical:
         yield Line(
@@ -181,13 +183,12 @@ def _idle_fluid_terms(spec: SimulationSpec, gravity: float, drop: float) -> Iter
         yield Line("fluid.adhesion", "there is no solid to stick to")
 
 
-def _idle_air(spec: SimulationSpec, world: World, gravity: float, duration: float) -> Iterator[Line]:
+def _idle_air(air: Air, placed: PlacedScene, gravity: float, duration: float) -> Iterator[Line]:
     """A sheet falls as far as there is room, or as long as the scene; one that is pinned, by its own size."""
-    air = spec.cloth.air
-    endless = not (world.obstacles.placed or world.obstacles.walls)
-    up = -np.array(spec.gravity) / max(gravity, 1e-30)
-    for item in world.sheets:
-        height = float((item.fabric.points @ up).max()) - world.floor
+    endless = not (placed.obstacles.placed or placed.obstacles.walls)
+    up = -placed.gravity / max(gravity, 1e-30)
+    for item in placed.sheets:
+        height = float((item.fabric.points @ up).max()) - placed.floor
         free = gravity * duration**2 / 2 if endless else height
         fall = _diagonal(item) if item.sheet.pins else free
         speed2 = float(np.dot(item.sheet.velocity, item.sheet.velocity)) + 2 * gravity * fall
@@ -196,16 +197,16 @@ def _idle_air(spec: SimulationSpec, world: World, gravity: float, duration: floa
             yield Line("cloth.air", f"drags on {item.name} by less than {NEGLIGIBLE:.0%} of its weight")
 
 
-def _meet(spec: SimulationSpec, world: World, gravity: float, duration: float) -> bool:
+def _meet(spec: SimulationSpec, fluid: Fluid, placed: PlacedScene, gravity: float, duration: float) -> bool:
     """Whether a sheet may come where fluid may come, both given all room that they could need."""
-    if spec.events or spec.fluid.emitters:
+    if spec.events or fluid.emitters:
         return True
-    fluid = [_room(np.asarray(source.bounds), source.speed, gravity, duration) for source in world.sources]
-    for item in world.sheets:
+    wet = [_room(np.asarray(source.bounds), source.speed, gravity, duration) for source in placed.sources]
+    for item in placed.sheets:
         box = _box(item)
         free = _room(box, float(np.linalg.norm(item.sheet.velocity)), gravity, duration)
         room = _grown(box, _diagonal(item)) if item.sheet.pins else free
-        if any((room[0] <= other[1]).all() and (other[0] <= room[1]).all() for other in fluid):
+        if any((room[0] <= other[1]).all() and (other[0] <= room[1]).all() for other in wet):
             return True
     return False
 

@@ -182,6 +182,10 @@ class ClothModel:
         """Largest steps [s] by what limits them."""
         return {"cloth step": self.settings.max_step} | self.integrator.limits()
 
+    def limiting_term(self, term: str) -> tuple[str, str]:
+        """What one of `step_limits` comes from, and what would help."""
+        return ("cloth.max_step", "raise it") if term == "cloth step" else self.integrator.limiting_term(term)
+
     def next_keyframe(self, time: float) -> float:
         """The first time after `time` [s] at which the velocity of a pin jumps; infinite where none does."""
         return min((part.motion.next_keyframe(time) for part in self._pinned), default=np.inf)

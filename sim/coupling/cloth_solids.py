@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scene.settings import given
 from sim.bodies.obstacles import Obstacles
 from sim.cloth.contact.dynamic_solids import Bodies, Meetings
 from sim.cloth.contact.solids import Solids, Wall
@@ -31,7 +32,7 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
     start, triangles, kinetic, static = 0, [np.zeros((0, 3), int)], [np.zeros(0)], [np.zeros(0)]
     body, made = [np.zeros(0, int)], [np.zeros((0, 3))]
     for index, item in enumerate(obstacles.placed):
-        mesh = item.solid.mesh
+        mesh = item.solid.surface
         made.append(mesh.vertices)
         triangles.append(mesh.faces + start)
         start += len(mesh.vertices)
@@ -39,13 +40,21 @@ def find_solids(spec: SimulationSpec, obstacles: Obstacles, time: float) -> Soli
         kinetic.append(np.full(len(mesh.vertices), friction[0]))
         static.append(np.full(len(mesh.vertices), friction[1]))
         body.append(np.full(len(mesh.vertices), index))
-    walls = [
-        Wall(wall.normal, wall.offset, *_surface(spec, wall.body).friction_coefficients) for wall in obstacles.walls
-    ]
-    parts = (np.concatenate(part) for part in (made, triangles, kinetic, static, body))
-    names, wall_names = [item.name for item in obstacles.placed], [wall.body for wall in obstacles.walls]
-    filled = [index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow]
-    return Solids(places(obstacles, time), *parts, walls, names, wall_names, list(obstacles.dynamic), filled)
+    return Solids(
+        points=places(obstacles, time),
+        made=np.concatenate(made),
+        triangles=np.concatenate(triangles),
+        kinetic_friction=np.concatenate(kinetic),
+        static_friction=np.concatenate(static),
+        body=np.concatenate(body),
+        walls=[
+            Wall(wall.normal, wall.offset, *_surface(spec, wall.body).friction_coefficients) for wall in obstacles.walls
+        ],
+        names=[item.name for item in obstacles.placed],
+        wall_names=[wall.body for wall in obstacles.walls],
+        dynamic=list(obstacles.dynamic),
+        filled=[index for index, item in enumerate(obstacles.placed) if item.solid.closed and not item.hollow],
+    )
 
 
 def places(obstacles: Obstacles, time: float) -> np.ndarray:
@@ -53,7 +62,7 @@ def places(obstacles: Obstacles, time: float) -> np.ndarray:
     found = [np.zeros((0, 3))]
     for item in obstacles.placed:
         movement = item.movement(time)
-        found.append(item.solid.mesh.vertices if movement is None else movement.carry(item.solid.mesh.vertices))
+        found.append(item.solid.surface.vertices if movement is None else movement.carry(item.solid.surface.vertices))
     return np.concatenate(found)
 
 
@@ -90,4 +99,4 @@ def push(cloth: ClothModel, rigid: RigidModel, dt: float) -> None:
 
 
 def _surface(spec: SimulationSpec, name: str) -> Contact:
-    return spec.containers[name] if name in spec.containers else spec.rigid.bodies[name]
+    return spec.containers[name] if name in spec.containers else given(spec.rigid).bodies[name]

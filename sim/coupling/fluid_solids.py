@@ -41,7 +41,7 @@ def _thickness(shape: Primitive, band: NarrowBand | None) -> float:
 
 
 def _band(solid: Solid, shape: Primitive, spacing: float, h: float) -> NarrowBand:
-    mesh = trimesh.Trimesh(solid.mesh.vertices - shape.origin, solid.mesh.faces, process=False)
+    mesh = trimesh.Trimesh(solid.surface.vertices - shape.origin, solid.surface.faces, process=False)
     return narrow_band(mesh, CELL * spacing, h)
 
 

@@ -35,4 +35,4 @@ def _thickness(item: Obstacle) -> tuple[float, float]:
     shape = primitive(item.solid)
     if shape.kind != GRID:
         return 2.0 * float(shape.half.min()), THIN
-    return 2.0 * abs(float(item.solid.volume)) / float(item.solid.mesh.area), THIN_MESH
+    return 2.0 * abs(float(item.solid.volume)) / float(item.solid.surface.area), THIN_MESH

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from sim.fluid.forces.terms import Terms
 from sim.fluid.protocols import Bodies
 
@@ -41,6 +43,12 @@ class Together:
     def gather_pressures(self, ahead: float) -> None:
         for part in self.parts:
             part.gather_pressures(ahead)
+
+    def viscous_drag(self) -> None:
+        """Implicit viscosity is refused beside cloth."""
+
+    def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
+        """Likewise."""
 
     def apply(self, dt: float) -> None:
         for part in self.parts:

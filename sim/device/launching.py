@@ -157,7 +157,7 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
     compiled = kernel.compiled_kernels[kernel.ensure_compiled(*args)]
     context = compiled.make_launch_context()
     numbers, arrays, alive, place = [], [], [], 0
-    for position, (kind, arg) in enumerate(zip(_kinds(kernel), args, strict=True)):
+    for position, (kind, arg) in enumerate(zip(_kinds(kernel) or (), args, strict=True)):
         if kind == TEMPLATE:
             continue
         index = (place,)

@@ -145,7 +145,7 @@ class FluidModel:
         up = -gravity / g if g > 0 else np.zeros(3)
         self._level = g * (floor - float(up @ origin))
         self.fastest_signal = fastest_signal(fluid, gravity, drop, fastest)
-        signal = self.fastest_signal if fluid.solver == "wcsph" else self.fastest_signal / COMPRESSION_SPEED
+        signal = self.fastest_signal if solver.WEAKLY_COMPRESSIBLE else self.fastest_signal / COMPRESSION_SPEED
         implicit = not surroundings.sheets and viscosity_is_implicit(fluid, gravity, signal)
         arrays = solver.ARRAYS + force_arrays(fluid) + smoothing_arrays(fluid, implicit)
         if boundary.has_bodies or probed:
@@ -187,9 +187,9 @@ def fastest_signal(fluid: Fluid, gravity: np.ndarray, drop: float, fastest: floa
 
     `auto` follows from what the scene can reach: by falling, and by the surface tension of the smallest drops.
     """
-    given = fluid.wcsph.speed_of_sound
-    if fluid.solver == "wcsph" and given != "auto":
-        return float(given)
+    given = load_solver(fluid.method).speed_of_sound_given(fluid)
+    if given is not None:
+        return given
     g = float(np.linalg.norm(gravity))
     pulled = 2 * max(fluid.surface_tension, fluid.adhesion) / (fluid.rest_density * fluid.spacing)
     reachable = math.sqrt(fastest**2 + 2 * g * max(drop, fluid.spacing) + pulled)

@@ -62,8 +62,8 @@ class Bodies(Protocol):
     def gather_pressures(self, ahead: float) -> None:
         """Note the forces of the pressures found, which are in search.x."""
 
-    def viscous_drag(self) -> ViscousDrag:
-        """Their part in the equations of implicit viscosity."""
+    def viscous_drag(self) -> ViscousDrag | None:
+        """Their part in the equations of implicit viscosity, if they have one."""
 
     def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Take the changes of velocity and angular velocity by viscosity over the step, shape [bodies, 6]."""

@@ -238,6 +238,11 @@ class Fluid(Settings):
         return self.extra.get(self.solver) or added("solvers")[self.solver]()
 
     @property
+    def solver_path(self) -> str:
+        """Where they are in a scene: names with dots between them."""
+        return f"fluid.{self.solver}" if self.solver in type(self).model_fields else f"fluid.extra.{self.solver}"
+
+    @property
     def method(self) -> str:
         """Name of what finds the pressures, in `sim.fluid.SOLVERS` or VARIANTS, or that of an installed package."""
         return "dfsph_jacobi" if self.solver == "dfsph" and self.dfsph.iteration == "jacobi" else self.solver

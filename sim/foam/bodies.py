@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from sim.foam.fluid import hermite
 from sim.geometry.distance.closest_points import MeshDistance
-from sim.geometry.solids import MeshSolid, Pose
+from sim.geometry.pose import Pose
+from sim.geometry.solids import MeshSolid
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Body:
 
     @cached_property
     def _surface(self) -> MeshDistance:
-        return MeshDistance(self._solid.mesh, cover_points=FEW)
+        return MeshDistance(self._solid.surface, cover_points=FEW)
 
     def nearest(self, points: np.ndarray) -> np.ndarray:
         """The points of the surface [m] next to points [m]; shape [n, 3]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
@@ -17,6 +17,10 @@ Speed = Annotated[float, Ge(0), Le(1e5), Unit("m/s")]
 
 class Range(Settings):
     """Below `low` nothing, from `high` on everything, in between in proportion (Ihmsen et al. 2012, eq. 1)."""
+
+    if TYPE_CHECKING:  # each kind has bounds of its own
+        low: float
+        high: float
 
     @model_validator(mode="after")
     def _grows(self) -> Self:

@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from scene.settings import Refused
-from sim.geometry.solids import BoxSolid, CylinderSolid, Solid
+from sim.geometry.analytic_solids import BoxSolid, CylinderSolid
+from sim.geometry.solids import Solid
 
 EDGE_TOLERANCE = 1e-3
 """Share of the spacing by which an edge may miss a multiple of it: lengths are typed with few digits."""

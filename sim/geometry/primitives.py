@@ -6,16 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.geometry.analytic_solids import BoxSolid, CapsuleSolid, CylinderSolid, SphereSolid, TorusSolid
 from sim.geometry.distance.sdf import BOX, CAPSULE, CYLINDER, GRID, SPHERE, TORUS
-from sim.geometry.solids import (
-    BoxSolid,
-    CapsuleSolid,
-    CylinderSolid,
-    SheetSolid,
-    Solid,
-    SphereSolid,
-    TorusSolid,
-)
+from sim.geometry.solids import SheetSolid, Solid
 
 
 @dataclass(frozen=True)

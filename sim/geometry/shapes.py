@@ -11,19 +11,9 @@ import numpy as np
 from common.registry import load
 from scene import assets
 from scene.settings import Refused
-from sim.geometry.solids import (
-    BoxSolid,
-    CapsuleSolid,
-    CylinderSolid,
-    MeshSolid,
-    PlaneSolid,
-    Pose,
-    SheetSolid,
-    Solid,
-    SphereSolid,
-    TorusSolid,
-    vertex_colors,
-)
+from sim.geometry.analytic_solids import BoxSolid, CapsuleSolid, CylinderSolid, SphereSolid, TorusSolid
+from sim.geometry.pose import Pose
+from sim.geometry.solids import MeshSolid, PlaneSolid, SheetSolid, Solid, vertex_colors
 from sim.geometry.spec import (
     Box,
     Capsule,
@@ -41,7 +31,7 @@ from sim.geometry.spec import (
 if TYPE_CHECKING:
     import trimesh
 
-    from sim.geometry.meshes.repair import RepairReport
+    from sim.geometry.meshes.repair_report import RepairReport
 
 __all__ = ["Solid", "load_mesh", "place", "tessellate"]
 
@@ -110,8 +100,8 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
             return trimesh.creation.icosphere(subdivisions=max(0, int(np.ceil(halvings))), radius=shape.radius)
         case Cylinder():
             half = shape.height / 2
-            profile = [[0.0, -half], [shape.radius, -half], [shape.radius, half], [0.0, half]]
-            return _revolved(np.array(profile), chord_error)
+            profile = np.array([[0.0, -half], [shape.radius, -half], [shape.radius, half], [0.0, half]])
+            return _revolved(profile, chord_error)
         case Capsule():
             angle = np.linspace(-np.pi / 2, np.pi / 2, 2 * _segments(np.pi / 2, chord_error) + 1)
             end = np.sign(angle) * shape.height / 2
@@ -143,12 +133,12 @@ def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[t
     from sim.geometry.meshes.topology import Topology, cleaned, signed_volume
 
     file, report = read(path), None
-    shell = closed and isinstance(shape, MeshFile) and shape.thickness is not None
-    if closed and shape.repair and not shell:
-        mesh, report = _repaired(file, path.name, shape.close)
+    thickness = shape.thickness if closed and isinstance(shape, MeshFile) else None
+    if closed and shape.repair and thickness is None:
+        mesh, report = _repaired(file, path.name, shape.close if isinstance(shape, ClosedMesh) else "holes")
     else:
         mesh, _ = cleaned(file, name=path.name)
-    if closed and not shape.repair and not shell:
+    if closed and not shape.repair and thickness is None:
         topology = Topology.of(mesh)
         if not (topology.watertight and topology.consistent and signed_volume(mesh) > 0):
             raise Refused(
@@ -158,8 +148,8 @@ def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[t
             )
     extent = float(np.ptp(mesh.vertices, axis=0).max())
     mesh = _scaled(mesh, shape, extent)
-    if shell:
-        mesh = _shell(mesh, shape.thickness, path.name)
+    if thickness is not None:
+        mesh = _shell(mesh, thickness, path.name)
     return _painted(_anchored(mesh, shape.anchor), mesh, _scaled(file, shape, extent)), report
 
 
@@ -190,9 +180,11 @@ def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trime
     colors = vertex_colors(file)
     if colors is not None:
         from scipy.spatial import cKDTree
+        from trimesh.visual import ColorVisuals
 
         used = np.unique(file.faces)
-        result.visual.vertex_colors = colors[used[cKDTree(file.vertices[used]).query(mesh.vertices)[1]]]
+        nearest = used[cKDTree(file.vertices[used]).query(mesh.vertices)[1]]
+        result.visual = ColorVisuals(result, vertex_colors=colors[nearest])
     return result
 
 
@@ -200,10 +192,11 @@ def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Tri
     import trimesh
 
     from sim.geometry import cache
-    from sim.geometry.meshes import repair
+    from sim.geometry.meshes.repair import repair
+    from sim.geometry.meshes.repair_report import RepairReport
 
     def compute() -> cache.Arrays:
-        mended, report = repair.repair(mesh, name=name, close=close)
+        mended, report = repair(mesh, name=name, close=close)
         text = np.frombuffer(json.dumps(report.as_dict()).encode(), dtype=np.uint8)
         return {"vertices": np.asarray(mended.vertices), "faces": np.asarray(mended.faces), "report": text}
 
@@ -217,7 +210,7 @@ def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Tri
     )
     fields = json.loads(stored["report"].tobytes())
     fields["bounds"] = tuple(map(tuple, fields["bounds"]))
-    return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False), repair.RepairReport(**fields)
+    return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False), RepairReport(**fields)
 
 
 def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimesh:
@@ -254,10 +247,22 @@ def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimes
 def _mending_sources() -> list[str]:
     """The files on which a mended mesh depends."""
     from sim.geometry.distance import closest_points
-    from sim.geometry.meshes import changes, closing, openings, overlap, repair, shell, topology, union, winding
+    from sim.geometry.meshes import (
+        changes,
+        closing,
+        nesting,
+        openings,
+        overlap,
+        repair,
+        repair_report,
+        shell,
+        topology,
+        union,
+        winding,
+    )
 
-    modules = (changes, closing, closest_points, openings, overlap, repair, shell, topology, union, winding)
-    return [module.__file__ for module in modules]
+    preparing = (changes, closing, closest_points, openings, overlap, nesting, topology, union, winding)
+    return [str(module.__file__) for module in (*preparing, repair, repair_report, shell)]
 
 
 def _segments(angle: float, chord_error: float) -> int:

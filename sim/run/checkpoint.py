@@ -174,7 +174,7 @@ def _material(path: Path, arrays: dict[str, np.ndarray], material: str, like: An
 
 
 def _refuse_counts(path: Path, head: Head) -> None:
-    from sim.run.world import Counts
+    from sim.run.reporting.counts import Counts
 
     unknown = set(head.counts) - set(vars(Counts()))
     if unknown:

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scene.settings import Refused
+from scene.settings import Refused, given
 from sim.run.checkpoint import state_name
 
 if TYPE_CHECKING:
     from sim.fluid.measure import Measure
+    from sim.fluid.model import FluidModel
+    from sim.fluid.spec import Fluid
     from sim.run.checkpoint import Clock
     from sim.run.world import World
 
@@ -65,44 +67,50 @@ def find_fault(world: World, measure: Measure | None, dt: float) -> Fault | None
     if world.wet_cloth and world.wet_cloth.tightness.through:
         remedy = "use a smaller step (cloth.max_step), larger particles, or a cloth that folds less"
         return Fault(f"{world.wet_cloth.tightness.through} particles have no way but through the cloth", remedy)
-    if measure is None or not world.fluid.count:
+    if measure is None or world.fluid is None or not world.fluid.count:
         return None
-    fault = _particle_fault(world, measure) or _fixed_step_fault(world, measure, dt)
+    settings, fastest = given(world.spec.fluid), world.fluid.fastest_signal
+    fault = _particle_fault(world, settings, fastest, measure) or _fixed_step_fault(world, measure, dt)
     return replace(fault, repeatable=False) if fault and world.spec.step.fixed is not None else fault
 
 
-def _particle_fault(world: World, measure: Measure) -> Fault | None:
-    smaller = _calmer(world)
+def _particle_fault(world: World, fluid: Fluid, fastest: float, measure: Measure) -> Fault | None:
+    smaller = _smaller_step(world, fluid)
     if measure.not_finite or not _finite(measure):
         return Fault(f"{measure.not_finite or 'some'} particles have values that are not finite", smaller)
-    if measure.crowding_max > DENSITY_LIMIT * world.spec.fluid.rest_density:
-        ratio = measure.crowding_max / world.spec.fluid.rest_density
+    if measure.crowding_max > DENSITY_LIMIT * fluid.rest_density:
+        ratio = measure.crowding_max / fluid.rest_density
         return Fault(f"the density rose to {ratio:.2f} times the rest density", smaller)
     if measure.too_fast:
-        return _too_fast(world, measure.too_fast, smaller)
+        return _too_fast(fluid, measure.too_fast, fastest, smaller)
     if measure.beyond_walls:
         return Fault(f"{measure.beyond_walls} particles went through a wall", smaller)
     return None
 
 
-def _calmer(world: World) -> str:
+def _smaller_step(world: World, fluid: Fluid) -> str:
     """What helps where particles were pushed too hard, by the fields of the scene's own solver."""
-    smaller = "use a smaller step ("
-    smaller += "step.cfl, or step.maximum)" if world.spec.step.fixed is None else "step.fixed, or an adaptive one)"
-    solver = world.spec.fluid.solver
-    if solver == "wcsph":
-        return smaller + ", or a higher fluid.wcsph.speed_of_sound"
-    return smaller + f", a lower fluid.{solver}.density_error, or a higher fluid.{solver}.max_iterations"
+    from sim.fluid import load_solver
+
+    steps = "step.cfl, or step.maximum" if world.spec.step.fixed is None else "step.fixed, or an adaptive one"
+    return ", ".join([f"use a smaller step ({steps})", *_or_last(load_solver(fluid.method).remedies(fluid))])
 
 
-def _too_fast(world: World, number: int, smaller: str) -> Fault:
-    speed, solver = world.fluid.fastest_signal, world.spec.fluid.solver
-    if solver == "wcsph":
-        return Fault(
-            f"{number} particles are faster than sound ({speed:.3g} m/s)",
-            "raise fluid.wcsph.speed_of_sound if such speeds are meant, else " + smaller,
-        )
-    return Fault(f"{number} particles are faster ({speed:.3g} m/s) than anything in the scene can make them", smaller)
+def _or_last(texts: list[str]) -> list[str]:
+    return [*texts[:-1], f"or {texts[-1]}"] if texts else []
+
+
+def _too_fast(fluid: Fluid, number: int, fastest: float, smaller: str) -> Fault:
+    from sim.fluid import load_solver
+
+    solver = load_solver(fluid.method)
+    if not solver.WEAKLY_COMPRESSIBLE:
+        what = f"{number} particles are faster ({fastest:.3g} m/s) than anything in the scene can make them"
+        return Fault(what, smaller)
+    what = f"{number} particles are faster than sound ({fastest:.3g} m/s)"
+    if not solver.SPEED_OF_SOUND:
+        return Fault(what, smaller)
+    return Fault(what, f"raise {fluid.solver_path}.{solver.SPEED_OF_SOUND} if such speeds are meant, else {smaller}")
 
 
 def _finite(measure: Measure) -> bool:
@@ -161,22 +169,22 @@ def report(world: World, clock: Clock, fault: Fault, good: Clock | None, retries
         "step": clock.step,
         "time": clock.time,
         "retries": retries,
-        "particles": _suspects(world) if world.fluid else [],
+        "particles": _suspects(world, world.fluid) if world.fluid else [],
         "last_good_frame": good.frame if good else None,
         "last_good_state": state_name(good.frame) if good else None,
         "change": fault.remedy,
     }
 
 
-def _suspects(world: World) -> list[dict[str, Any]]:
+def _suspects(world: World, fluid: FluidModel) -> list[dict[str, Any]]:
     """The particles that stand out most, by identity; values that are not finite are given as text."""
-    state = world.fluid.state()
+    state = fluid.state()
     speed = np.linalg.norm(state.velocity[:, :3], axis=1)
-    density = state.velocity[:, 3] / world.spec.fluid.rest_density
+    density = state.velocity[:, 3] / fluid.system.spec.rest_density
     positions = state.position[:, :3].astype(np.float64) + world.origin
     depths = (wall.offset - positions @ wall.normal for wall in world.obstacles.walls)
     depth = np.max([np.zeros(state.count), *depths], axis=0)
-    limits = (density / DENSITY_LIMIT, speed / world.fluid.fastest_signal, 2 * depth / world.fluid.system.h)
+    limits = (density / DENSITY_LIMIT, speed / fluid.fastest_signal, 2 * depth / fluid.system.h)
     badness = np.nan_to_num(np.maximum.reduce(limits), nan=np.inf, posinf=np.inf)
     suspects = []
     for i in np.argsort(-badness, kind="stable")[:NAMED]:

@@ -1,4 +1,4 @@
-"""What a run would refuse of the first step, as far as it is known before anything is built that steps."""
+"""What is refused of the first step: by a run, and by a check, as far as it is known before anything is built."""
 
 from __future__ import annotations
 
@@ -7,54 +7,84 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scene.settings import Refused
-from sim.run.failure import FIXED_MARGIN, MOST_STEPS, beyond_limit
-from sim.run.world import World
+from scene.settings import Refused, given
+from sim.run.failure import FIXED_MARGIN, MOST_STEPS, beyond_limit, find_fault, short_step
+from sim.run.placing.placed_scene import PlacedScene
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.cloth.model import PlacedSheet
+    from sim.cloth.spec import Cloth
+    from sim.fluid.spec import Fluid
+    from sim.fluid.system import Measure
+    from sim.run.world import World
 
 Limits = dict[str, float]
 """Largest steps [s] by what limits them."""
 
 
-def refuse_steps(world: World, velocity: np.ndarray) -> None:
+def refuse_steps(placed: PlacedScene, velocity: np.ndarray) -> None:
     """Raise Refused for steps that a run would refuse at its start; velocity: of the particles [m/s], shape [n, 3].
 
     Forces on particles may limit steps further.
     """
     fastest = float(np.linalg.norm(velocity, axis=1).max(initial=0.0))
-    fluid, step = world.spec.fluid, world.spec.step
-    sound = fluid.wcsph.speed_of_sound if fluid is not None and fluid.solver == "wcsph" else "auto"
-    if sound != "auto" and fastest > sound:
-        raise Refused(
-            f"the fluid begins at {fastest:.3g} m/s, faster than sound ({sound:.3g} m/s)",
-            location=("fluid", "wcsph", "speed_of_sound"),
-            remedy="raise it to ten times the greatest speed, leave it out, or let the fluid begin more slowly",
-        )
-    if world.sheets:
-        refuse_cloth_steps(world.spec, _explicit_step(world))
-        for item in world.sheets:
+    fluid, step = placed.spec.fluid, placed.spec.step
+    if fluid is not None:
+        _refuse_sound(fluid, fastest)
+    if placed.sheets and placed.spec.cloth is not None:
+        refuse_cloth_steps(placed.spec, placed.spec.cloth, _explicit_step(placed, placed.spec.cloth))
+        for item in placed.sheets:
             refuse_jumps(item, 0.0)
-    limits = _of_bodies(world) | (_of_fluid(world, fastest) if len(velocity) else {})
+    limits = _of_bodies(placed) | (_of_fluid(placed, fluid, fastest) if fluid is not None and len(velocity) else {})
     if not limits:
         return
     term, limit = min(limits.items(), key=lambda item: item[1])
     if step.fixed is not None and step.fixed > FIXED_MARGIN * limit:
         raise beyond_limit(step.fixed, FIXED_MARGIN * limit)
-    if step.fixed is None and limit < 1.0 / (world.spec.fps * MOST_STEPS):
+    if step.fixed is None and limit < 1.0 / (placed.spec.fps * MOST_STEPS):
         raise Refused(
             f"{term} allows steps of {limit:.3g} s only, so that a frame would need "
-            f"{1 / (world.spec.fps * limit):,.0f} of them (at most {MOST_STEPS:,})",
+            f"{1 / (placed.spec.fps * limit):,.0f} of them (at most {MOST_STEPS:,})",
             remedy="use lower speeds, larger particles or bodies, or more frames per second",
         )
 
 
-def refuse_cloth_steps(spec: SimulationSpec, stable: float = math.inf) -> None:
+def refuse_beginning(world: World, measure: Measure | None, fps: float) -> None:
+    """Raise Refused where the state that a run begins with is at fault, or its steps would be too short or too long."""
+    fault = find_fault(world, measure, 0.0)
+    if fault is not None:
+        raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
+    if world.cloth:
+        stable = getattr(world.cloth.integrator, "stable", math.inf)
+        refuse_cloth_steps(world.spec, world.cloth.settings, stable)
+    limit = world.step_limit(measure)
+    short = short_step(world, measure, limit, fps)
+    if short is not None:
+        raise Refused(short.what, remedy=short.remedy)
+    fixed = world.spec.step.fixed
+    if fixed is not None and fixed > FIXED_MARGIN * limit:
+        raise beyond_limit(fixed, FIXED_MARGIN * limit)
+
+
+def _refuse_sound(fluid: Fluid, fastest: float) -> None:
+    """Raise Refused where the fluid begins faster [m/s] than the speed of sound that the scene gives."""
+    from sim.fluid import load_solver
+
+    solver = load_solver(fluid.method)
+    sound = solver.speed_of_sound_given(fluid)
+    if sound is not None and fastest > sound:
+        raise Refused(
+            f"the fluid begins at {fastest:.3g} m/s, faster than sound ({sound:.3g} m/s)",
+            location=(*fluid.solver_path.split("."), solver.SPEED_OF_SOUND),
+            remedy="raise it to ten times the greatest speed, leave it out, or let the fluid begin more slowly",
+        )
+
+
+def refuse_cloth_steps(spec: SimulationSpec, cloth: Cloth, stable: float = math.inf) -> None:
     """Raise Refused for steps longer than cloth may take, and for cloth that would need too many explicit ones, of
     `stable` [s] at most, in each."""
-    step, most = spec.step, spec.cloth.max_step
+    step, most = spec.step, cloth.max_step
     if step.fixed is not None and step.fixed > most:
         raise Refused(
             f"a fixed step of {step.fixed:.3g} s is longer than those of cloth may be ({most:.3g} s)",
@@ -76,17 +106,16 @@ def refuse_cloth_steps(spec: SimulationSpec, stable: float = math.inf) -> None:
         )
 
 
-def _explicit_step(world: World) -> float:
+def _explicit_step(placed: PlacedScene, settings: Cloth) -> float:
     """The longest explicit step of the cloth [s]; infinite where it takes none."""
     from sim.cloth import load_integrator
     from sim.cloth.fabric.mesh import Elastic
 
-    settings = world.spec.cloth
     stable_step = getattr(load_integrator(settings.integrator), "stable_step", None)
     if stable_step is None:
         return math.inf
-    held = np.concatenate([item.held for item in world.sheets])
-    mesh = Elastic([item.sheet for item in world.sheets], [item.fabric for item in world.sheets], held)
+    held = np.concatenate([item.held for item in placed.sheets])
+    mesh = Elastic([item.sheet for item in placed.sheets], [item.fabric for item in placed.sheets], held)
     return stable_step(mesh, settings)
 
 
@@ -99,27 +128,28 @@ def refuse_jumps(item: PlacedSheet, time: float) -> None:
         refuse_jump(item.name, part, item.begins[part.points], size, time)
 
 
-def _of_bodies(world: World) -> Limits:
+def _of_bodies(placed: PlacedScene) -> Limits:
     """Of bodies that obey forces, as they begin."""
-    if not world.obstacles.dynamic:
+    if not placed.obstacles.dynamic:
         return {}
-    from sim.rigid.dynamics.time_step_limits import step_limits
+    from sim.rigid.dynamics.time_step_limits import TERMS, step_limits
 
-    began = [(item.size, item.motion.now) for item in world.obstacles.dynamic.values()]
+    began = [(item.size, item.dynamic.now) for item in placed.obstacles.dynamic.values()]
     pace = max(float(np.linalg.norm(now.velocity)) / size for size, now in began)
     spin = max(float(np.linalg.norm(now.angular_velocity)) for _, now in began)
-    named = {"rigid step": "rigid.max_step", "spin": "the spin of a body", "travel": "the speed of a body"}
-    return {named[term]: limit for term, limit in step_limits(world.spec.rigid.max_step, pace, spin).items()}
+    longest = given(placed.spec.rigid).max_step
+    return {TERMS[term]: limit for term, limit in step_limits(longest, pace, spin).items()}
 
 
-def _of_fluid(world: World, fastest: float) -> Limits:
+def _of_fluid(placed: PlacedScene, fluid: Fluid, fastest: float) -> Limits:
     """Of particles the fastest of which begins at a speed [m/s], without what they do to one another."""
+    from sim.fluid import load_solver
     from sim.fluid.model import fastest_signal
     from sim.fluid.time_step_limits import fall_limit, tension_limit
 
-    fluid, half = world.spec.fluid, 0.5 * world.spec.fluid.support_radius
+    half = 0.5 * fluid.support_radius
     limits = {"the surface tension": tension_limit(half, fluid)}
-    if fluid.solver == "wcsph":
-        sound = fastest_signal(fluid, world.gravity, world.drop, world.fastest)
-        return limits | {f"sound of {sound:.3g} m/s": world.spec.step.cfl * half / (sound + fastest)}
-    return limits | {"gravity": fall_limit(half, float(np.linalg.norm(world.gravity)))}
+    if load_solver(fluid.method).WEAKLY_COMPRESSIBLE:
+        sound = fastest_signal(fluid, placed.gravity, placed.drop, placed.fastest)
+        return limits | {f"sound of {sound:.3g} m/s": placed.spec.step.cfl * half / (sound + fastest)}
+    return limits | {"gravity": fall_limit(half, float(np.linalg.norm(placed.gravity)))}

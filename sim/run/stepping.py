@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -11,38 +10,26 @@ from typing import TYPE_CHECKING, Any
 
 from common.stopwatch import Stopwatch
 from scene.events import TIME_TOLERANCE, apply, events_between, spec_before
-from scene.settings import Refused
+from scene.settings import Refused, given
 from sim.device import compilation, runtime
 from sim.run.checkpoint import Checkpoint, Clock
-from sim.run.failure import (
-    FIXED_MARGIN,
-    MAX_RETRIES,
-    Fault,
-    Interrupted,
-    Stopped,
-    beyond_limit,
-    find_fault,
-    report,
-    short_step,
-)
-from sim.run.first_step import refuse_cloth_steps
+from sim.run.failure import MAX_RETRIES, Fault, Interrupted, Stopped, find_fault, report, short_step
+from sim.run.first_step import refuse_beginning
 from sim.run.output import Output
+from sim.run.placing.fluid_bodies import numbered, without
 from sim.run.probes.sampling import Probes
-from sim.run.world import Counts, World
+from sim.run.reporting.counts import Counts
+from sim.run.reporting.notices import Notices
+from sim.run.time_steps import EventWindow, fit, landing, wanted_step
+from sim.run.world import World
 from sim.spec import Event, SimulationSpec
 
 if TYPE_CHECKING:
     from sim.fluid.measure import Measure
     from sim.fluid.model import FluidState
 
-GROWTH = 1.1
-"""A step is at most this much longer than the one before: it falls at once and rises slowly."""
 RECOVERY = 2.0
 """After a frame without a fault, a shortened step may be this much longer in the next frame."""
-ROUNDING = 1e-9
-"""Events that come in while a run steps are so long [s] after what is settled."""
-LONGEST_STEP = 1.0
-"""The step [s] where nothing limits it; frames and events cut it."""
 
 
 class Run:
@@ -64,7 +51,7 @@ class Run:
         self.folder = folder
         self.threads = threads
         self.arch = arch
-        self.warn = warn
+        self.notices = Notices(warn)
         self.device = "none"
         self.clock = Clock()
         self.counts = Counts()
@@ -73,18 +60,11 @@ class Run:
         self.measure: Measure | None = None
         self.good: Checkpoint | None = None
         """The state after the last frame that was written."""
-        self._mended: set[str] = set()
-        self.warnings: list[str] = []
-        """What was said of what is, or was done, other than was asked for."""
-        self.untangled: dict[str, str] = {}
-        """What was said of sheets that do not begin where they are placed."""
         self.stop_requested = False
         """Set from outside to end the run between two steps."""
         self.before_step: Callable[[], None] = lambda: None
         """Called before every step; may end the run by an exception, or bring in an event."""
-        self._repeated = False
-        self._open_from = 0.0
-        """The earliest time [s] of this frame at which an event would not have changed the steps taken until now."""
+        self._window = EventWindow()
         self.steps_taken = 0
         self.particle_steps = 0
         with self.stopwatch.phase("build"):
@@ -129,16 +109,20 @@ class Run:
         Between two steps only.
         """
         end = (self.clock.frame + 1) / self.spec.fps
-        if self._open_from == math.inf:
-            return end
-        ahead = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
-        at = min([self._open_from, *ahead])
-        return at if at < end - 0.5 * self._last_step else end
+        known = [event.at for event in self.spec.events if self.clock.time + TIME_TOLERANCE < event.at < end]
+        return self._window.earliest(known, end, self._last_step)
 
     def bring_in(self, event: Event) -> None:
         """Add an event, which is not to happen before `earliest`."""
         events = sorted([*self.spec.events, event], key=lambda event: event.at)
         self.spec = self.spec.model_copy(update={"events": tuple(events)})
+
+    @property
+    def last_good(self) -> Checkpoint:
+        """The state after the last frame that was written; raises LookupError before the first."""
+        if self.good is None:
+            raise LookupError("no frame was written yet")
+        return self.good
 
     @property
     def _last_step(self) -> float:
@@ -170,11 +154,11 @@ class Run:
             done()
         while self.clock.frame < last:
             try:
-                self._frame(self.good, output)
+                self._frame(self.last_good, output)
             except Refused as refused:
                 output.drop_rows()
                 fault = Fault(str(refused.args[0]), refused.remedy or "change the event")
-                raise Stopped(report(self.world, self.clock, fault, self.good.clock, 0)) from refused
+                raise Stopped(report(self.world, self.clock, fault, self.last_good.clock, 0)) from refused
             self._write(output)
             done()
 
@@ -198,16 +182,19 @@ class Run:
             self.resume(good)
             self.counts.retries, self.counts.steps_repeated = retries, repeated
             self.clock.step_scale = good.clock.step_scale * 0.5 ** (retry + 1)
-            self.warn(f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step")
+            self.notices.warn(
+                f"frame {self.clock.frame + 1}: {fault.what}; again with {self.clock.step_scale:g} of the step"
+            )
         raise AssertionError("unreachable")
 
     def _try_frame(self, output: Output, retry: int) -> Fault | None:
         """Simulate one frame; what happens at the time of a frame is first seen in the frame after."""
-        self._count_fallen(self.world.begin_frame())
+        fallen = self.world.begin_frame()
+        if fallen and not self.counts.particles_fallen:
+            self.notices.tell_fallen(self.world.depth)
+        self.counts.particles_fallen += fallen
         since, end = self.clock.time, (self.clock.frame + 1) / self.spec.fps
-        # An event that comes in while a frame is repeated would have been met by what was tried before.
-        self._repeated = retry > 0
-        self._open_from = math.inf if self._repeated else since
+        self._window.begin_frame(since, repeated=retry > 0)
         while True:
             self.before_step()
             upcoming = events_between(self.spec, since, end)
@@ -219,20 +206,10 @@ class Run:
             elif upcoming:
                 self._apply_events(upcoming[0][1])
                 since = until + 2 * TIME_TOLERANCE
-                # Sooner than after a step like the last one, the next step would be next to nothing.
-                self._open_from = max(self._open_from, until + self._last_step) if self._last_step else math.inf
+                self._window.meet(until, self._last_step)
             else:
                 self.clock.frame += 1
                 return None
-
-    def _count_fallen(self, number: int) -> None:
-        """Count particles that were taken out since they had fallen out of the scene, and tell of the first."""
-        if number and not self.counts.particles_fallen:
-            self.tell(
-                f"fluid falls out of the scene: particles {self.world.depth:.3g} m below everything are taken out "
-                "(particles_fallen in summary.json tells how many); a floor would keep them"
-            )
-        self.counts.particles_fallen += number
 
     def _step(self, until: float, output: Output) -> Fault | None:
         """One step, no further than to the time `until` [s], which is met exactly."""
@@ -244,13 +221,12 @@ class Run:
         if fault is not None:
             return fault
         start = time.perf_counter()
-        target = self._target(until)
+        target = landing(until, self.world.next_keyframe(self.clock.time))
         rest = target - self.clock.time
-        wanted = self._wanted_step(limit)
+        wanted = wanted_step(self.world.spec.step, limit, self.clock.last_step)
         even, longest = self.world.spec.step.fixed is None, wanted * self.clock.step_scale
-        dt = _fit(longest, rest, even=even)
-        settled = self._open_from if self._open_from < math.inf or self._repeated else 0.0
-        self._open_from = max(settled, self.clock.time + (2 if even else 1) * longest + ROUNDING)
+        dt = fit(longest, rest, even=even)
+        self._window.step(self.clock.time, longest, even=even)
         after = target if dt == rest else self.clock.time + dt
         with self.stopwatch.phase("stepping"):
             stats = self.world.advance(dt, after)
@@ -264,36 +240,10 @@ class Run:
             return fault
         self.steps_taken += 1
         self.particle_steps += self.world.fluid.count if self.world.fluid else 0
-        self._count(stats)
+        self.counts.add_step(stats)
         output.step(self.clock.step, self.clock.time, dt, wall, self.world, self.measure, stats)
         self._sample(output)
         return None
-
-    def _count(self, stats: dict[str, float]) -> None:
-        self.counts.steps_capped += int(stats.get("capped", 0) > 0)
-        self.counts.pressure_capped += int(stats.get("capped", 0) > stats.get("viscosity_capped", 0))
-        self.counts.viscosity_capped += int(stats.get("viscosity_capped", 0) > 0)
-        self.counts.particles_held_off += int(stats.get("held_off", 0))
-        self.counts.contacts_capped += int(stats.get("contacts_capped", 0) > 0)
-        self.counts.cloth_capped += int(stats.get("cloth_capped", 0) > 0)
-        self.counts.cloth_held_back += int(stats.get("cloth_held_back", 0))
-
-    def _target(self, until: float) -> float:
-        """The time [s] to land on before `until`: none where the velocity of a body jumps is stepped over."""
-        keyframe = self.world.next_keyframe(self.clock.time)
-        return keyframe if keyframe < until - TIME_TOLERANCE else until
-
-    def _wanted_step(self, limit: float) -> float:
-        """The step [s] before the end of a frame cuts it; `limit` [s] is the largest stable one."""
-        step = self.world.spec.step
-        if step.fixed is not None:
-            return step.fixed
-        limits = [limit, LONGEST_STEP]
-        if step.maximum is not None:
-            limits.append(step.maximum)
-        if self.clock.last_step > 0:
-            limits.append(GROWTH * self.clock.last_step)
-        return min(limits)
 
     def _apply_events(self, events: list[Event]) -> None:
         """Build the world anew as events that happen now want it, with the particles there are."""
@@ -301,7 +251,7 @@ class Run:
         for event in events:
             spec = apply(spec, event, self.spec.events.index(event))
         state = self.world.fluid.state() if self.world.fluid else None
-        emission, names = self._emission(), self._body_names()
+        emission, names = self._emission(), numbered(self.spec)
         self.world.release(spec)
         # Contacts are numbered by the bodies there are, which may change.
         rigid = self.world.rigid.state().without_contacts() if self.world.rigid else None
@@ -309,81 +259,34 @@ class Run:
         with self.stopwatch.phase("build"):
             self.world = World(spec, self.folder, self.world.origin, rigid, cloth)
             for event in events if state is not None else ():
-                for name in event.remove:
-                    if name in names:
-                        before = state.count
-                        state = state.without_body(names.index(name))
-                        self.counts.particles_removed_by_events += before - state.count
-                state = self._pour(state, list(event.add.fluid))
+                state = self._pour(without(given(state), event.remove, names, self.counts), list(event.add.fluid))
         self._build(state, emission, going_on=False)
 
     def _emission(self) -> dict[str, Any]:
         """What emitters have sent."""
         return self.world.flow.ledger.state() if self.world.flow else self.world.emission
 
-    def _body_names(self) -> list[str]:
-        """Fluid bodies in the order in which they are numbered: those of the start, then of the events."""
-        names = list(self.spec.fluid.bodies) if self.spec.fluid else []
-        return names + [name for event in self.spec.events for name in event.add.fluid]
-
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
         if not bodies:
             return state
-        state = self.world.pour(state, self._body_names(), bodies, self.counts, self.clock.time)
+        state = self.world.pour(state, numbered(self.spec), bodies, self.counts, self.clock.time)
         for text in self.world.warnings():
-            self.tell(text)
+            self.notices.tell(text)
         return state
 
-    def tell(self, text: str) -> None:
-        """Warn of something once, and keep it for the summary."""
-        if text not in self.warnings:
-            self.warnings.append(text)
-            self.warn(text)
-
-    def _tell_mended(self) -> None:
-        """Warn once of every mesh that is not what its file holds."""
-        for item in self.world.obstacles.placed:
-            if item.name not in self._mended and item.solid.report is not None and item.solid.report.lines():
-                self._mended.add(item.name)
-                self.warn(f"{item.name}: the mesh was mended: {'; '.join(item.solid.report.lines())}")
-
-    def _tell_overlaps(self) -> None:
-        """Warn of bodies that begin inside each other: they are moved apart, which may look like a blow."""
-        for one, other, depth in self.world.rigid.overlaps() if self.world.rigid else []:
-            self.tell(f"'{one}' and '{other}' begin {depth * 1000:.3g} mm inside each other: move one of them away")
-
-    def _tell_untangled(self) -> None:
-        """Warn of cloth that does not begin where it is placed."""
-        for item in self.world.untangled or []:
-            self.untangled[item.sheet] = item.line()
-            self.warn(item.line())
-
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
-        self._tell_mended()
+        self.notices.tell_mended(self.world.obstacles)
         if state is not None or self.world.obstacles.dynamic or self.world.sheets:
             with self.stopwatch.phase("compile"):
                 self.device = runtime.start(threads=self.threads, arch=self.arch)
         with self.stopwatch.phase("build"):
-            self.world.build(state, emission, self.counts, self.tell, self.clock.time, going_on=going_on)
+            self.world.build(state, emission, self.counts, self.notices.tell, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()
         if not going_on:
-            self._tell_overlaps()
-            self._tell_untangled()
-        self._refuse()
-
-    def _refuse(self) -> None:
-        fault = find_fault(self.world, self.measure, 0.0)
-        if fault is not None:
-            raise Refused(fault.what, remedy="check speeds, densities and sizes of the scene")
-        if self.world.cloth:
-            refuse_cloth_steps(self.world.spec, getattr(self.world.cloth.integrator, "stable", math.inf))
-        short = short_step(self.world, self.measure, self.world.step_limit(self.measure), self.spec.fps)
-        if short is not None:
-            raise Refused(short.what, remedy=short.remedy)
-        fixed = self.world.spec.step.fixed
-        limit = self.world.step_limit(self.measure) * FIXED_MARGIN
-        if fixed is not None and fixed > limit:
-            raise beyond_limit(fixed, limit)
+            if self.world.rigid:
+                self.notices.tell_overlaps(self.world.rigid)
+            self.notices.tell_untangled(self.world.untangled or [])
+        refuse_beginning(self.world, self.measure, self.spec.fps)
 
     def _sample(self, output: Output) -> None:
         if output.probes is not None:
@@ -395,10 +298,3 @@ class Run:
         with self.stopwatch.phase("output"):
             output.frame(self.clock.frame, self.clock.time, self.world)
             self.good = self.checkpoint()
-
-
-def _fit(step: float, rest: float, *, even: bool) -> float:
-    """The step that lands on the end of `rest` [s]; `even` shares the last two steps out evenly."""
-    if step >= rest:
-        return rest
-    return rest / 2 if even and 2 * step > rest else step

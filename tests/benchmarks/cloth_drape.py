@@ -61,7 +61,8 @@ def thickness(cells: int) -> float:
 
 def ours(name: str, cells: int, seconds: float, threads: int) -> Drape:
     from sim.device import runtime
-    from sim.run.world import Counts, World
+    from sim.run.reporting.counts import Counts
+    from sim.run.world import World
     from sim.spec import SimulationSpec
 
     runtime.start(threads=threads, arch="cpu")

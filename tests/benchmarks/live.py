@@ -109,7 +109,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         stage = Stage(Path(folder), SCENE.replace("10 mm", f"{1000 * radius:.3f} mm"), threads=options.threads)
         session = stage.session
-        session.watched = False
+        session.display.watched = False
         page = Page(session, host="127.0.0.1", port=0)
         stage.step()
         alone, watched, pictures, frames = [], [], [], []

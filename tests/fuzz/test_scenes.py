@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scene.document import SceneError, read
+from scene.document import SceneError
 from scene.load import load
+from scene.reader import read
 from tests.fuzz.mutations import broken, broken_bytes, fuzzed
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from live.session import Session
+from live.playing.session import Session
 from scene.load import load
 
 SCENE = """\
@@ -37,7 +37,7 @@ class Stage:
         path.parent.mkdir()
         path.write_text(text)
         self.session = Session(load(path), **{"threads": 1, "arch": "cpu", **options})
-        self.session.watched = True
+        self.session.display.watched = True
         self.problems: list[str] = []
         self._thread = threading.Thread(target=self.session.run, daemon=True)
         self._thread.start()

@@ -14,7 +14,7 @@ import pytest
 
 from live.page import Page
 from live.panel import Panel
-from live.session import Session
+from live.playing.session import Session
 from tests.live.stage import SCENE, Stage
 from tests.live.viewer import Viewer
 
@@ -57,7 +57,7 @@ def still_works(stage: Stage, page: Page) -> None:
 
 
 def all_finite(session: Session) -> bool:
-    picture = session.picture
+    picture = session.display.picture
     poses = [part for pose in picture.poses.values() for part in (pose.position, pose.quaternion)]
     return all(
         np.isfinite(values).all() for values in [picture.points, picture.velocity, *poses, *picture.cloths.values()]
@@ -181,7 +181,7 @@ def test_what_is_asked_for_fast_happens_in_order(stage, monkeypatch):
 def test_who_leaves_before_the_page_is_built_does_not_steer(stage, page):
     for _ in range(5):
         Viewer(page.port).close()
-    stage.until(lambda session: not page.viewers and not session.watched)
+    stage.until(lambda session: not page.viewers and not session.display.watched)
     viewer = Viewer(page.port)
     viewer.press("Next frame")
     stage.until(lambda session: session.status.frame == 1)

@@ -44,8 +44,8 @@ def test_a_hand_holds_a_body_releases_cloth_and_closes_a_tap(stage):
     stage.until(lambda session: session.spec.rigid.bodies["box"].pulls)
     stage.play_to(8)
     sag = 9.81 * (0.2 / (2 * np.pi)) ** 2
-    assert session.picture.poses["box"].position[1] == pytest.approx(1 - sag, abs=0.002)
-    left = session.picture.cloths["flag"][:, 1].max()
+    assert session.display.picture.poses["box"].position[1] == pytest.approx(1 - sag, abs=0.002)
+    left = session.display.picture.cloths["flag"][:, 1].max()
     assert left == pytest.approx(1.0, abs=1e-6), "it is pinned"
     viewer.set("draw it to the handle", False)
     viewer.press("Release")
@@ -55,7 +55,7 @@ def test_a_hand_holds_a_body_releases_cloth_and_closes_a_tap(stage):
     sent = session.status.particles
     stage.play_to(13)
     fallen = 9.81 * 0.1**2 / 2
-    assert session.picture.poses["box"].position[1] == pytest.approx(1 - sag - fallen, rel=0.02)
-    assert session.picture.cloths["flag"][:, 1].max() < 0.995
+    assert session.display.picture.poses["box"].position[1] == pytest.approx(1 - sag - fallen, rel=0.02)
+    assert session.display.picture.cloths["flag"][:, 1].max() < 0.995
     assert session.status.particles == sent > 0
     page.close()

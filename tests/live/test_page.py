@@ -129,17 +129,17 @@ def test_what_is_done_in_the_page_happens_and_replays(stage, browser, simulate, 
     stage.until(lambda session: "added1" in session.spec.rigid.bodies)
     browser.turn_to("Play")
     browser.press("Play")
-    session.watched = False  # Chromium draws on the cores that simulate.
+    session.display.watched = False  # Chromium draws on the cores that simulate.
     stage.until(lambda session: session.clock.frame >= 44, 300)
     browser.press("Pause")
     stage.until(lambda session: session.status.mode == "paused")
-    session.watched = True
+    session.display.watched = True
     assert mean_height(stage, "added1", 34) == pytest.approx(0.3, abs=0.04), "half the density: to a particle's size"
     browser.turn_to("Add")
     browser.press("Remove")
-    stage.until(lambda session: session.waiting or "added1" not in session.spec.rigid.bodies)
+    stage.until(lambda session: session.played.waiting or "added1" not in session.spec.rigid.bodies)
     stage.step()
-    stage.until(lambda session: list(session.spec.rigid.bodies) == list(session.picture.poses) == ["box"])
+    stage.until(lambda session: list(session.spec.rigid.bodies) == list(session.display.picture.poses) == ["box"])
     browser.turn_to("Save")
     browser.press("Save as scene")
     path = tmp_path / "scenes" / "pool_live.yaml"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from live.script import Script
+from live.playing.script import Script
 from scene.load import load
 
 SCENE = """\

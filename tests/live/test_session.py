@@ -125,4 +125,4 @@ def test_more_fluid_than_there_was_has_room(stage):
     stage.step()
     assert stage.problems == []
     assert session.status.particles > 1.8 * before
-    assert set(np.unique(session.picture.body)) == {0, 1}
+    assert set(np.unique(session.display.picture.body)) == {0, 1}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim.fluid.time_step_limits import fall_limit
-from sim.run.world import LEAST_DEPTH
+from sim.run.placing.placed_scene import LEAST_DEPTH
 from tests.stress.scenes import assert_nothing_broken
 from tests.support.in_time import in_time
 from tests.support.particles import positions, read_frame, read_table

@@ -74,7 +74,8 @@ def period(times: np.ndarray, values: np.ndarray) -> float:
 def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
     """The world of a scene with cloth and rigid bodies."""
     from sim.device import runtime
-    from sim.run.world import Counts, World
+    from sim.run.reporting.counts import Counts
+    from sim.run.world import World
     from sim.spec import SimulationSpec
 
     runtime.start(threads=1, arch="cpu")

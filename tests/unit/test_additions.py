@@ -78,6 +78,22 @@ def test_a_solver_steps(package, tmp_path):
     assert frames[0] == frames[1]
 
 
+def test_what_is_said_of_a_solver_names_its_own_settings(package, tmp_path):
+    """Of steps that end at its cap, and of settings of one that is not chosen."""
+    tank = {"tank": {"type": "box", "size": [0.2, 0.5, 0.2]}}
+    block = {"block": {"shape": {"type": "box", "size": [0.2, 0.2, 0.2]}, "position": [0, 0.1, 0]}}
+    fluid = DROP | {"bodies": block, "solver": "mine", "extra": {"mine": {"max_iterations": 1}}}
+    out = package.simulate(tmp_path / "out", 2, fps=50, containers=tank, fluid=fluid)
+    (text,) = json.loads((out / "summary.json").read_text())["warnings"]
+    assert "fluid.extra.mine.max_iterations (1)" in text and "fluid.extra.mine.density_error" in text
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(json.dumps({"duration": 1, "fps": 50, "containers": tank, "fluid": fluid | {"solver": "iisph"}}))
+    done = package.python("-m", "sim", "check", scene)
+    assert done.returncode == 0, done.stderr
+    assert "extra.mine" in done.stdout + done.stderr
+    assert "it is for solver: mine, and the scene has solver: iisph" in done.stdout + done.stderr
+
+
 def test_a_shape_is_a_solid(package, tmp_path):
     """m = rho pi r^2 h / 3, within the share (2 pi / 64)^2 / 6 of the circle that 64 sides leave."""
     code = f"""

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sim.fluid.kernel import cubic_host, particle_mass
-from sim.geometry.solids import rotation_matrix
+from sim.geometry.pose import rotation_matrix
 from sim.geometry.spec import Rotation
 from tests.support.in_time import in_time
 from tests.support.particles import positions, read_frame, velocities

@@ -14,7 +14,8 @@ from scipy.spatial import cKDTree
 
 from sim.checks.preview import preview
 from sim.fluid.model import FluidState
-from sim.run.world import Counts, World
+from sim.run.reporting.counts import Counts
+from sim.run.world import World
 from sim.spec import SimulationSpec
 from tests.support.in_time import in_time
 from tests.support.particles import positions, read_frame

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sim.run.shortfalls import MANY
+from sim.run.reporting.shortfalls import MANY
 from tests.support.bodies import ground, part, step
 from tests.support.in_time import in_time
 from tests.support.meshes import body, write

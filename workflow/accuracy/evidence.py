@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from scene.document import read
 from scene.grid import setting
 from scene.load import Scene
+from scene.reader import read
 from scene.settings import Refused
 from workflow.budget.spacings import fineness_of_spacing, is_spacing
 from workflow.plan.shelf import STUDIES, STUDY_FILES

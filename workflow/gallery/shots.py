@@ -9,8 +9,8 @@ from annotated_types import Ge, Len
 from pydantic import Field, ValidationError
 
 from scene.diagnostics.problems import explain
-from scene.document import read
 from scene.presets import Quality
+from scene.reader import read
 from scene.settings import Settings
 
 FOLDER = Path("docs/gallery")

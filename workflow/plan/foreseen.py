@@ -21,7 +21,7 @@ from scene.load import Scene
 from scene.names import resolve
 from scene.settings import Caution, Refused
 from sim.checks.preview import Preview
-from sim.run.extent import LEVEL, filmed
+from sim.run.placing.extent import LEVEL, filmed
 
 
 def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
@@ -86,7 +86,7 @@ def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:
         return
     location = ("render", "camera", *(("keyframes", 0) if camera.keyframes else ()), "position")
     place = np.array(first.position)
-    for item in found.world.obstacles.placed:
+    for item in found.placed.obstacles.placed:
         if item.solid.closed and not item.hollow and item.solid.contains(place[None])[0]:
             yield Caution(f"the camera begins inside '{item.name}': move it out", location)
     fluid = scene.simulation.fluid
@@ -105,8 +105,8 @@ def _ground(scene: Scene, found: Preview) -> float:
         return -np.inf
     if ground.height is not None:
         return ground.height
-    found_there = filmed(found.world)
+    found_there = filmed(found.placed)
     height = found_there["ground"]["height"]
-    if height is None and any(wall.normal[1] > LEVEL for wall in found.world.obstacles.walls):
+    if height is None and any(wall.normal[1] > LEVEL for wall in found.placed.obstacles.walls):
         height = found_there["extent"]["min"][1]
     return -np.inf if height is None else height

@@ -13,8 +13,9 @@ from pydantic import ValidationError
 
 from scene import grid
 from scene.diagnostics.problems import explain
-from scene.document import Document, SceneError, read
+from scene.document import Document, SceneError
 from scene.load import Scene, load
+from scene.reader import read
 from scene.settings import Refused, canonical_json
 from workflow.study import formula, measure
 from workflow.study.spec import ByTrial, Overrides, Study

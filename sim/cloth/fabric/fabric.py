@@ -27,8 +27,8 @@ import numpy as np
 
 from scene.settings import Refused
 from sim.cloth.spec import ClothSheet
+from sim.geometry.pose import Pose
 from sim.geometry.shapes import load_mesh
-from sim.geometry.solids import Pose
 
 DEFAULT_POINTS = 40
 """Along the longer side of a sheet whose spacing is not given."""

@@ -136,8 +136,11 @@ class SheetReaction:
 
     @property
     def sheets(self) -> SheetSamples:
-        """The samples in the system's boundary."""
-        return self.system.boundary.sheets
+        """The samples in the system's boundary; raises LookupError where there are none."""
+        sheets = self.system.boundary.sheets
+        if not isinstance(sheets, SheetSamples):
+            raise LookupError("the fluid meets no cloth")
+        return sheets
 
     def list(self) -> None:
         """List the particles near each sample, as the particles' lists are made."""

@@ -104,7 +104,7 @@ class WetCloth:
     def begin_frame(self) -> bool:
         """Lay samples anew where the cloth has stretched; returns whether it has."""
         boundary = self.system.boundary
-        sheets = boundary.sheets
+        sheets = self.reaction.sheets
         if np.array_equal(_cuts(self.cloth, self.system.spec.spacing), sheets.pattern.cuts):
             return False
         boundary.attach(self._make(sheets.grid.radius))
@@ -141,6 +141,9 @@ class WetCloth:
     def gather_pressures(self, ahead: float) -> None:
         self.reaction.pressures(ahead, self._pressed, found=True)
         self._way.copy_from(self._integrator.respond(self._pressed))
+
+    def viscous_drag(self) -> None:
+        """Implicit viscosity is refused beside cloth."""
 
     def apply_viscosity(self, dt: float, change: np.ndarray) -> None:
         """Implicit viscosity is refused beside cloth."""
@@ -185,7 +188,7 @@ class WetCloth:
 
     def _finish(self, dt: float) -> dict[str, float]:
         stats = self.cloth.note(self._integrator.commit(dt))
-        points, sheets = self.cloth.mesh.points, self.system.boundary.sheets
+        points, sheets = self.cloth.mesh.points, self.reaction.sheets
         sheets.place, sheets.speed = points.position, points.velocity
         self._move_bodies(dt)
         return stats
@@ -199,10 +202,10 @@ class WetCloth:
 
     def _pose(self) -> None:
         """Bring samples to where the cloth is foreseen to be after the step."""
-        trial, boundary = self._integrator.trial, self.system.boundary
+        trial, sheets = self._integrator.trial, self.reaction.sheets
         wet_cloth_sums.speeds(self.cloth.mesh.count, self._dt, trial.start, trial.place, self._speed)
-        boundary.sheets.place, boundary.sheets.speed = trial.place, self._speed
-        boundary.move()
+        sheets.place, sheets.speed = trial.place, self._speed
+        self.system.boundary.move()
 
     @property
     def bytes(self) -> int:

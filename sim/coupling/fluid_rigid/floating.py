@@ -49,6 +49,7 @@ class Floating:
         self.layer_mass_ratio = max(
             layer_mass_ratio(mesh, body.pivot, body.mass.mass, body.mass.inertia, layer)
             for mesh, body in zip(surfaces, bodies, strict=True)
+            if body.mass is not None
         )
         self.reaction = Reaction(system, solids)
         self.lubrication = Lubrication(system, solids, surfaces, [body.pivot for body in bodies])
@@ -72,7 +73,7 @@ class Floating:
             self.pose()
 
     def viscous_drag(self) -> ViscousDrag:
-        return ViscousDrag(self.system)
+        return ViscousDrag(self.system, self.reaction)
 
     def gather_forces(self, terms: Terms) -> None:
         self._steady = self.reaction.forces(terms) + self.lubrication.steady + self._held

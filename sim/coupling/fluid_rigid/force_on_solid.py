@@ -21,7 +21,7 @@ def reaction(
     What it does to each particle is done to it at the nearest point of its surface, which has to be in the box
     `region`, shape [2, 3], if one is given; coordinates and `centre` are relative to the world's origin.
     """
-    if not system.count:
+    if not system.count or system.terms is None:
         return np.zeros(3), np.zeros(3)
     on_solid = Reaction(system, [solid])
     on_solid.list()

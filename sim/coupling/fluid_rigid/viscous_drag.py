@@ -12,6 +12,7 @@ import numpy as np
 import taichi as ti
 
 from sim.coupling.fluid_rigid import viscous_drag_sums
+from sim.coupling.fluid_rigid.reaction import Reaction
 from sim.fluid.forces.body_unknowns import CENTRE, CHANGE, COLUMNS, IMAGE, INERTIA, INVERSE, MASS, RESIDUAL, SEARCH
 from sim.fluid.system import FluidSystem
 
@@ -22,9 +23,9 @@ class ViscousDrag:
     `table`: a row for each body, as `sim.fluid.forces.body_unknowns` has it.
     """
 
-    def __init__(self, system: FluidSystem):
+    def __init__(self, system: FluidSystem, reaction: Reaction):
         self.system = system
-        self.reaction = system.bodies.reaction
+        self.reaction = reaction
         self.body_of = self.reaction.body_of
         self.table = ti.ndarray(ti.f64, (self.reaction.count, COLUMNS))
 

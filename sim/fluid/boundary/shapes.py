@@ -71,11 +71,11 @@ class Shapes:
         self.meshes = any(solid.band is not None for solid in self.solids)
         self.thin = any(solid.thin for solid in self.solids)
         self.kind = integer_array(np.array([solid.shape.kind for solid in self.solids] or [0]))
-        self.firm = integer_array(np.array([not solid.free for solid in self.solids] or [1]))
+        self.firm = integer_array(np.array([not solid.free for solid in self.solids] or [True]))
         """1 where it obeys no forces."""
-        self.holds = integer_array(np.array([all_hold or not solid.free for solid in self.solids] or [1]))
+        self.holds = integer_array(np.array([all_hold or not solid.free for solid in self.solids] or [True]))
         """Whether it holds what is along it."""
-        self.slim = integer_array(np.array([solid.thickness < SLIM * spacing for solid in self.solids] or [0]))
+        self.slim = integer_array(np.array([solid.thickness < SLIM * spacing for solid in self.solids] or [False]))
         """1 where it is too thin to weigh much against the pressure around it."""
         signs = np.array([-1.0 if solid.hollow else 1.0 for solid in self.solids] or [1.0])
         sizes = np.array([solid.shape.size for solid in self.solids]).reshape(-1, 3)

@@ -7,14 +7,12 @@ beta follows from the work per area that it takes to part fluid of density rho0 
 W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = sigma (1 + cos theta) (Young, Dupre).
 """
 
-from typing import ClassVar
-
 import numpy as np
 import taichi as ti
 
 from sim.device.arrays import Vec4Array, real, vec3
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
-from sim.fluid.forces.force import Force
+from sim.fluid.forces.force import ForceBySolids
 from sim.fluid.layout import DISTANCE, VOLUME, Samples, Walls
 from sim.fluid.system import FluidSystem
 
@@ -45,10 +43,8 @@ def _fit() -> tuple[tuple[float, float], tuple[float, ...]]:
 NEAR, FAR = _fit()
 
 
-class Adhesion(Force):
+class Adhesion(ForceBySolids):
     """The force on the particles of a system; `samples` and `solids` are beta [m/s^2 over m^3] against either."""
-
-    BY_SOLIDS: ClassVar[bool] = True
 
     def __init__(self, system: FluidSystem):
         super().__init__(system)

@@ -14,11 +14,6 @@ class Force(ABC):
 
     ARRAYS: ClassVar[tuple[Declared, ...]] = ()
     """Arrays of particles that it needs."""
-    BY_SOLIDS: ClassVar[bool] = False
-    """Whether it is an adhesion by solids: couplings apply the opposite to them, by its strengths [m/s^2 over m^3]
-    against samples of sheets and against solids."""
-    samples: float = 0.0
-    solids: float = 0.0
 
     def __init__(self, system: FluidSystem):
         self.system = system
@@ -31,3 +26,12 @@ class Force(ABC):
     @abstractmethod
     def accelerate(self) -> None:
         """Add to the accelerations; positions, velocities, densities and neighbours are given."""
+
+
+class ForceBySolids(Force):
+    """One that solids exert, so that couplings return it to them."""
+
+    samples: float
+    """Its strength against samples of sheets."""
+    solids: float
+    """Its strength against other solids."""

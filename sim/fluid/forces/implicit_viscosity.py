@@ -76,7 +76,7 @@ class Viscosity:
                 iterations += 1
             solved = self._is_solved()
         sums.finish(system.count, 1.0 / dt, solved, system.particles.bundle(Unknowns))
-        if drag:
+        if drag and system.bodies:
             system.bodies.apply_viscosity(dt, drag.finish(solved=solved))
         return {"viscosity_iterations": iterations, "capped": not solved}
 

@@ -14,6 +14,7 @@ import taichi as ti
 from sim.device.arrays import Vec4Array, real, vec3
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
+from sim.fluid.forces.force import ForceBySolids
 from sim.fluid.forces.friction import FREE_SLIP, find_wall_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial, cohesion_coefficient, viscous
 from sim.fluid.forces.registry import load_forces
@@ -69,7 +70,7 @@ class Momentum:
         solids = system.boundary.shapes.count > 0 or system.boundary.sampled > 0
         self.wall_friction = find_wall_friction(spec) if self.viscosity > 0 and solids else FREE_SLIP
         self.cohesion, self._added = 0.0, load_forces(system)
-        adhesion = next((force for force in self._added if force.BY_SOLIDS), None)
+        adhesion = next((force for force in self._added if isinstance(force, ForceBySolids)), None)
         if spec.surface_tension_model == "becker2007":
             self.cohesion = cohesion_coefficient(
                 spec.surface_tension, spec.spacing, system.h, system.mass, spec.rest_density
@@ -107,6 +108,18 @@ class Momentum:
             "viscosity": viscosity_limit(half, explicit, strongest),
             "surface tension": tension_limit(half, spec),
         }
+
+    def limiting_term(self, term: str) -> tuple[str, str]:
+        """What one of `step_limits` comes from, and what would help."""
+        spec = self.system.spec
+        match term:
+            case "viscosity":
+                remedy = "use fluid.viscosity_solver: implicit, a lower fluid.viscosity, or larger particles"
+                return f"the viscosity ({spec.viscosity:.3g} m^2/s)", remedy
+            case "surface tension":
+                tension = max(spec.surface_tension, spec.adhesion)
+                return f"the surface tension ({tension:.3g} N/m)", "use a lower one, or larger particles"
+        raise ValueError(f"nothing limits steps by the name '{term}'")
 
     def accelerate(self) -> None:
         """Write the accelerations of all particles; positions, velocities, densities and neighbours are given."""

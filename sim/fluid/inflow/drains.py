@@ -31,7 +31,7 @@ def find_sink(drain: Drain, fluid: Fluid, folder: Path, location: tuple[str | in
     except Refused as refused:
         raise refused.at(*location) from None
     pose = solid.pose
-    thinnest = pose.scale * float(np.ptp(pose.to_local(solid.mesh.vertices), axis=0).min())
+    thinnest = pose.scale * float(np.ptp(pose.to_local(solid.surface.vertices), axis=0).min())
     if thinnest < fluid.spacing:
         raise Refused(
             f"the drain is {thinnest:.3g} m thick: particles {fluid.spacing:.3g} m apart could pass through it",

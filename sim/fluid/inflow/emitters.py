@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from scene import assets
-from scene.settings import Refused
+from scene.settings import Refused, given
 from sim.fluid.spec import Disc, Emitter, Fluid, Rectangle
+from sim.geometry.pose import Pose
 from sim.geometry.shapes import load_mesh
-from sim.geometry.solids import Pose
 from sim.geometry.spec import MeshFace
 
 EDGE = 1e-3
@@ -103,7 +103,7 @@ def find_outlet(name: str, emitter: Emitter, fluid: Fluid, folder: Path, locatio
         axes,
         cells,
         grid,
-        emitter.speed if emitter.speed is not None else emitter.rate / (len(cells) * spacing**2),
+        emitter.speed if emitter.speed is not None else given(emitter.rate) / (len(cells) * spacing**2),
         spacing,
         fluid.support_radius,
         emitter.start,
@@ -118,13 +118,15 @@ def _lattice(shape: Disc | Rectangle | MeshFace, pose: Pose, fluid: Fluid, folde
         case Disc():
             return pose.position, pose.rotation.T, *_disc(shape.radius * pose.scale, spacing, most)
         case Rectangle():
-            grid = tuple(int(size * pose.scale / spacing + EDGE) for size in shape.size)
+            along, across = (int(size * pose.scale / spacing + EDGE) for size in shape.size)
+            grid = along, across
             return pose.position, pose.rotation.T, _cells(grid, most), grid
     triangles, axes = _face(shape, pose, folder)
     flat = (triangles - triangles[0, 0]) @ axes[[0, 2]].T
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
     centre = triangles[0, 0] + (low + high) / 2 @ axes[[0, 2]]
-    grid = tuple(_across(size, spacing) for size in high - low)
+    along, across = (_across(size, spacing) for size in high - low)
+    grid = along, across
     cells = _cells(grid, most)
     return centre, axes, cells[_inside(flat - (low + high) / 2, _offsets(cells, grid, spacing))], grid
 

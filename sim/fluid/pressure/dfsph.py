@@ -49,6 +49,7 @@ class Dfsph(Incompressible):
         Declared("pressed", "vec4", "way by pressure, and apart, in the last step [m]", saved=False),
     )
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations", "divergence_iterations")
+    ERRORS = ("density_error", "divergence_error")
     FINDS_FRICTION = True
     HOLDS_ALONG_ALL = True
 

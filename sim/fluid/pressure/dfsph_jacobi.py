@@ -67,6 +67,7 @@ class DfsphJacobi(Incompressible):
         Declared("corrected", "vec4", "w: q of the divergence solve, which displaces nothing", saved=False),
     )
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations", "divergence_iterations")
+    ERRORS = ("density_error", "divergence_error")
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
         super().__init__(system, fastest_signal)

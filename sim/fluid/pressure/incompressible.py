@@ -9,6 +9,7 @@ from sim.device.arrays import Declared, Vec4Array, real, vec3
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.measure import Measure
+from sim.fluid.pressure.solver import PressureSolver
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import displacement_limit, fall_limit, pressure_limit
 from sim.free_fall import OTHERS
@@ -19,20 +20,18 @@ LAYERS = 25
 """Fluid that is deeper than so many layers of particles asks for smaller errors and more iterations."""
 
 
-class Incompressible:
+class Incompressible(PressureSolver):
     """Advances a FluidSystem: forces, pressures, motion. A solver says what it measures, and finds the pressures."""
 
     BEFORE: ClassVar[Declared] = Declared("before", "vec4", "velocity before a step [m/s]", sorted=False, saved=False)
     ARRAYS: ClassVar[tuple[Declared, ...]]
     """BEFORE, and what else the solver needs of particles."""
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]]
-    """What is kept besides where there are samples of sheets, for the force on them."""
     STATISTICS: ClassVar[tuple[str, ...]] = ("pressure_iterations",)
     SKIN: ClassVar[float] = 0.0
     """Particles move far in a step: lists would not serve for a second one."""
-    HOLDS_ALONG_ALL: ClassVar[bool] = False
-    """Whether bodies that obey forces hold fluid along their surfaces as others do, and feel it
-    (`Bodies.hold_along_surfaces`)."""
+    ERRORS: ClassVar[tuple[str, ...]] = ("density_error",)
+    CAP = "max_iterations"
     FINDS_FRICTION: ClassVar[bool] = False
     """Whether `examine` leaves the viscous forces between particles in pressure_acceleration."""
 

@@ -8,13 +8,14 @@ from typing import ClassVar
 
 import taichi as ti
 
-from sim.device.arrays import Declared, Vec4Array, real
+from sim.device.arrays import Vec4Array, real
 from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.fluid.measure import Measure
+from sim.fluid.pressure.solver import PressureSolver
 from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import force_limit, light_limit
 from sim.neighbors.spatial_hash import Neighbors, itself, padded
@@ -23,13 +24,11 @@ GAMMA = 7.0
 """Exponent of the equation of state of water (Cole 1948)."""
 
 
-class Wcsph:
+class Wcsph(PressureSolver):
     """Advances a FluidSystem; `fastest_signal` is the speed of sound [m/s]."""
 
-    ARRAYS: ClassVar[tuple[Declared, ...]] = ()
-    SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = ()
-    STATISTICS: ClassVar[tuple[str, ...]] = ()
-    HOLDS_ALONG_ALL: ClassVar[bool] = False
+    WEAKLY_COMPRESSIBLE = True
+    SPEED_OF_SOUND = "speed_of_sound"
     SKIN: ClassVar[float] = 0.1
     """Sound forbids steps in which particles move far, so that a list can serve for several of them."""
 
@@ -49,6 +48,14 @@ class Wcsph:
         signal = cfl * half / (self.speed_of_sound + measure.v_max + self.system.boundary.speed)
         limits = {"signal": signal, "force": force_limit(half, measure.a_max)} | self.momentum.step_limits()
         return limits | ({"light body": light_limit(signal, bodies.layer_mass_ratio)} if bodies else {})
+
+    def limiting_term(self, term: str, measure: Measure, emitted: float) -> tuple[str, str]:
+        if term == "light body":
+            return "a body much lighter than the fluid", "use fluid.solver: dfsph or iisph, or a heavier body"
+        return super().limiting_term(term, measure, emitted)
+
+    def signals(self, measure: Measure, emitted: float) -> list[str]:
+        return [f"sound {self.speed_of_sound:.3g} m/s", *super().signals(measure, emitted)]
 
     def start(self) -> None:
         """Find the accelerations of the initial state, or of one that an event has changed."""

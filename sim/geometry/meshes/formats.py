@@ -49,7 +49,7 @@ def read(path: Path) -> trimesh.Trimesh:
     try:
         if kind == ".gltf":
             _refuse_parts(path)
-        loaded = _built(path) if kind == ".3mf" else trimesh.load(path, force="mesh", process=False)
+        loaded = _built(path) if kind == ".3mf" else trimesh.load_scene(path, process=False).to_mesh()
         vertices, faces = np.asarray(loaded.vertices), np.asarray(loaded.faces)
         colors = vertex_colors(loaded)
     except Refused:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,16 +10,10 @@ import trimesh
 
 from scene.settings import Refused
 from sim.geometry.meshes.closing import closed_pieces, with_lids
+from sim.geometry.meshes.nesting import turned_outward
 from sim.geometry.meshes.openings import mouths, within
-from sim.geometry.meshes.topology import (
-    Topology,
-    cleaned,
-    components,
-    flipped,
-    joined,
-    signed_volume,
-    surface_area,
-)
+from sim.geometry.meshes.repair_report import RepairReport
+from sim.geometry.meshes.topology import Topology, cleaned, components, joined, signed_volume, surface_area
 from sim.geometry.meshes.union import united
 
 # A closed piece below this share of the largest piece's volume is debris of the scan.
@@ -30,107 +22,6 @@ _NEGLIGIBLE_VOLUME = 1e-5
 _MOST_CHANGED = 0.05
 # A solid thinner than this share of (area)^(3/2) is a double-sided sheet: its volume is rounding.
 _FLAT = 1e-7
-
-
-@dataclass(frozen=True)
-class RepairReport:
-    """What a mesh was, and what repair made of it. Lengths in the mesh's own unit."""
-
-    name: str
-    vertices_before: int
-    vertices_after: int
-    faces_before: int
-    faces_after: int
-    components_before: int
-    components_after: int
-    holes: int
-    """Openings of the kept pieces: connected groups of edges with one face."""
-    boundary_edges: int
-    """Edges with one face."""
-    non_manifold_edges: int
-    """Edges with three faces or more."""
-    degenerate_faces: int
-    """Faces without area, or that repeat another."""
-    seams: int
-    """Vertices joined with others that are almost where they are."""
-    self_intersecting_faces: int
-    """Faces that still cut through others afterwards."""
-    inconsistent_winding: bool
-    """Whether neighbouring faces disagreed on which side is out."""
-    inverted_components: int
-    """Pieces that were inside out and were turned."""
-    components_dropped: int
-    faces_dropped: int
-    """Faces of the dropped pieces."""
-    area_dropped: float
-    """Share of the area that the dropped pieces had."""
-    cavities: int
-    """Kept pieces that are hollows inside another."""
-    pieces_united: int
-    """Pieces that made one surface because they overlap, or one that cut through itself; 0 where none did."""
-    watertight_before: bool
-    watertight: bool
-    volume_before: float | None
-    """None where the mesh was open."""
-    volume: float
-    area_before: float
-    area: float
-    bounds: tuple[tuple[float, float, float], tuple[float, float, float]]
-
-    @property
-    def changed(self) -> bool:
-        """Whether there was anything to mend, or the mesh was not watertight before."""
-        return bool(
-            self.holes
-            or self.non_manifold_edges
-            or self.degenerate_faces
-            or self.seams
-            or self.inconsistent_winding
-            or self.inverted_components
-            or self.components_dropped
-            or self.pieces_united
-            or not self.watertight_before
-        )
-
-    def as_dict(self) -> dict:
-        """The fields, ready for JSON."""
-        return asdict(self)
-
-    def lines(self) -> list[str]:
-        """Short sentences for the log; none for a mesh that was sound."""
-        said = []
-
-        def say(count: int, text: str, *, one: str = "", many: str = "s") -> None:
-            if count:
-                said.append(text.format(n=count, s=one if count == 1 else many))
-
-        say(self.degenerate_faces, "removed {n} degenerate or repeated face{s}")
-        say(self.seams, "joined {n} vert{s} across seams", one="ex", many="ices")
-        say(self.non_manifold_edges, "removed {n} non-manifold edge{s}")
-        say(self.holes, "closed {n} hole{s}")
-        if self.inconsistent_winding:
-            said.append("turned faces that disagreed with their neighbours")
-        say(self.inverted_components, "turned {n} piece{s} inside out")
-        if self.components_dropped:
-            said.append(
-                f"dropped {self.components_dropped} of {self.components_before} separate pieces, which enclose no "
-                f"volume of their own: {self.faces_dropped} of {self.faces_before} faces, "
-                f"{100 * self.area_dropped:.2g} % of the area"
-            )
-        say(self.cavities, "kept {n} cavit{s}", one="y", many="ies")
-        if self.pieces_united == 1:
-            said.append("cut the surface where it goes through itself, and kept what is outside")
-        elif self.pieces_united:
-            said.append(f"united {self.pieces_united} pieces, which overlap")
-        if self.changed and self.area_before > 0 and abs(self.area / self.area_before - 1) > 0.01:
-            said.append(f"the area changed by {100 * (self.area / self.area_before - 1):+.1f} %")
-        say(self.self_intersecting_faces, "{n} face{s} still cut through others")
-        if said:
-            said.append(
-                f"{self.faces_before} faces became {self.faces_after}, in {self.components_after} closed "
-                f"piece{'s' if self.components_after != 1 else ''} of volume {self.volume:.6g}"
-            )
-        return said
 
 
 def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[trimesh.Trimesh, RepairReport]:
@@ -159,13 +50,14 @@ def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[t
     ]
     if not solid:
         raise Refused(f"mesh {name!r} {_why_not_closed(mesh, before)}", remedy=_REMEDY)
-    outward, inverted, cavities, redundant = _oriented(solid)
+    outward, inverted, cavities, redundant = turned_outward(solid)
     apart = joined(outward)
     result = united(apart)
     after = Topology.of(result)
     volume = signed_volume(result)
     if not (after.watertight and after.consistent and 0 < volume < np.inf):
         raise Refused(f"mesh {name!r} cannot be made watertight", remedy=_REMEDY)
+    low, high = result.bounds.tolist()
     by_identity = {id(source): source for index, (source, _) in enumerate(solid) if index not in redundant}
     sources = list(by_identity.values())
     area_before = surface_area(mesh)
@@ -197,7 +89,7 @@ def repair(mesh: trimesh.Trimesh, *, name: str, close: str = "holes") -> tuple[t
         volume=volume,
         area_before=area_before,
         area=surface_area(result),
-        bounds=tuple(tuple(float(value) for value in corner) for corner in result.bounds),
+        bounds=(tuple(low), tuple(high)),
     )
     if number > len(sources) or any(source is not closed for source, closed in solid):
         _refuse_changes(mesh, result, report, lids=close == "all")
@@ -278,75 +170,6 @@ def _why_not_closed(mesh: trimesh.Trimesh, topology: Topology) -> str:
     if topology.watertight:
         return "encloses no volume"
     return f"cannot be made watertight: {topology.boundary_edges} of its edges have a face on one side only"
-
-
-def _oriented(
-    solid: list[tuple[trimesh.Trimesh, trimesh.Trimesh]],
-) -> tuple[list[trimesh.Trimesh], int, int, set[int]]:
-    """Turn every piece outward, except hollows: pieces inside another that face the other way than it.
-
-    Returns the pieces, how many were turned, how many are hollows, and the indices of those left out because they
-    lie inside another piece and face the same way, which adds nothing to the solid.
-    """
-    signs = [np.sign(_facing(source, closed)) for source, closed in solid]
-    parents = _parents([closed for _, closed in solid])
-    redundant: set[int] = set()
-
-    @functools.cache
-    def is_material(index: int) -> bool:
-        parent = parents[index]
-        if parent is None:
-            return True
-        return is_material(parent) if signs[index] == signs[parent] else not is_material(parent)
-
-    oriented, inverted, cavities = [], 0, 0
-    for index, (_, closed) in enumerate(solid):
-        parent, material = parents[index], is_material(index)
-        if parent is not None and material == is_material(parent):
-            redundant.add(index)
-            continue
-        cavities += int(not material)
-        inverted += int((signs[index] > 0) != material)
-        outward = signed_volume(closed) > 0
-        oriented.append(closed if outward == material else flipped(closed))
-    return oriented, inverted, cavities, redundant
-
-
-def _facing(source: trimesh.Trimesh, closed: trimesh.Trimesh) -> float:
-    """Positive where the piece faced outward as it was given: volume of the cone from its own middle."""
-    if not Topology.of(source).consistent:
-        return 1.0
-    about = source.copy()
-    about.vertices = about.vertices - closed.bounds.mean(axis=0)
-    return signed_volume(about)
-
-
-def _parents(pieces: list[trimesh.Trimesh]) -> list[int | None]:
-    """For every piece, the smallest other piece that holds it whole."""
-    from sim.geometry.meshes.winding import WindingNumber
-
-    volumes = [abs(signed_volume(piece)) for piece in pieces]
-    bounds = [piece.bounds for piece in pieces]
-    tests: dict[int, WindingNumber] = {}
-    parents: list[int | None] = []
-    for index, piece in enumerate(pieces):
-        holders = [
-            other
-            for other in range(len(pieces))
-            if other != index
-            and volumes[other] > volumes[index]
-            and (bounds[other][0] <= bounds[index][0]).all()
-            and (bounds[other][1] >= bounds[index][1]).all()
-        ]
-        for other in sorted(holders, key=lambda candidate: volumes[candidate]):
-            if other not in tests:
-                tests[other] = WindingNumber(pieces[other])
-            if (tests[other].at(piece.vertices) != 0).all():
-                parents.append(other)
-                break
-        else:
-            parents.append(None)
-    return parents
 
 
 def _self_intersections(mesh: trimesh.Trimesh) -> int:

@@ -136,10 +136,10 @@ def _add_box(features: Features, half: np.ndarray) -> None:
 def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
     """In the mesh's own frame as scaled, the origin in the middle of its bounding box."""
     turn, scale = solid.pose.rotation, solid.pose.scale
-    local = _rounded((np.asarray(solid.mesh.vertices, dtype=np.float64) - solid.pose.position) @ turn)
+    local = _rounded((np.asarray(solid.surface.vertices, dtype=np.float64) - solid.pose.position) @ turn)
     low, high = local.min(axis=0), local.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
-    faces = np.asarray(solid.mesh.faces)
+    faces = np.asarray(solid.surface.faces)
     cell = float(2 * half.max()) / CELLS
     stored = cache.cached(
         "contact_shape",

@@ -4,6 +4,8 @@ TURN = 0.1
 """Greatest turn of a body in a step [rad]."""
 WAY = 0.5
 """Greatest way of a body in a step, over its own size."""
+TERMS = {"rigid step": "rigid.max_step", "spin": "the spin of a body", "travel": "the speed of a body"}
+"""What limits steps, in words."""
 
 
 def step_limits(longest: float, pace: float, spin: float) -> dict[str, float]:

@@ -36,8 +36,8 @@ def test_the_view_agrees_with_blender():
     from bpy_extras.object_utils import world_to_camera_view
     from mathutils import Vector
 
+    from render.camera_settings import Camera as CameraSettings
     from render.content.camera import Camera
-    from render.spec import Camera as CameraSettings
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
@@ -52,7 +52,7 @@ def test_the_view_agrees_with_blender():
 
 
 def moved(*keyframes, time):
-    from render.spec import Camera as CameraSettings
+    from render.camera_settings import Camera as CameraSettings
 
     settings = CameraSettings(keyframes=[{"at": at, "position": p, "target": t} for at, p, t in keyframes])
     return view_of(settings, None, (640, 360), time)

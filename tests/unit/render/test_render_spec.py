@@ -7,7 +7,8 @@ from typing import get_args
 import pytest
 from pydantic import ValidationError
 
-from render.spec import Look, RenderSpec
+from render.looks.spec import Look
+from render.spec import RenderSpec
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import json
 import jsonschema
 import pytest
 
-from scene.document import parse, read
 from scene.load import load
+from scene.reader import parse, read
 from workflow import schema
 from workflow.plan.shelf import SCENE_FILES
 

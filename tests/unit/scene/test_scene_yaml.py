@@ -71,7 +71,7 @@ def test_a_file_that_is_no_scene(bench, case):
 
 
 def test_a_file_that_is_too_large(bench, monkeypatch):
-    monkeypatch.setattr("scene.document.MAX_BYTES", 1000)
+    monkeypatch.setattr("scene.reader.MAX_BYTES", 1000)
     bench.refuses(b"a: b\n" * 300, "larger than any scene file, 1,500 bytes")
 
 

@@ -66,7 +66,7 @@ def test_it_is_placed_as_a_body_is():
     """The layer's back lies in the outlet, which is turned about its centre and scaled."""
     found = disc(0.03, position=[1, 2, 3], rotation=TURN, scale=2)
     plain = disc(0.06)
-    from sim.geometry.solids import rotation_matrix
+    from sim.geometry.pose import rotation_matrix
     from sim.geometry.spec import Rotation
 
     turn = rotation_matrix(tuple(Rotation(**turn) for turn in TURN))

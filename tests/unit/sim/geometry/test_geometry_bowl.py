@@ -9,7 +9,8 @@ import trimesh
 
 from scene.load import load
 from sim.geometry.meshes.topology import Topology, components, signed_volume
-from sim.geometry.solids import MeshSolid, Pose
+from sim.geometry.pose import Pose
+from sim.geometry.solids import MeshSolid
 
 SCENES = Path(__file__).resolve().parents[4] / "scenes"
 MODELS = SCENES / "models"

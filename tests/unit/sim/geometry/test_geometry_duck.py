@@ -8,7 +8,8 @@ import pytest
 import trimesh
 
 from sim.geometry.meshes.topology import Topology, components, signed_volume
-from sim.geometry.solids import MeshSolid, Pose
+from sim.geometry.pose import Pose
+from sim.geometry.solids import MeshSolid
 
 MODELS = Path(__file__).resolve().parents[4] / "scenes" / "models"
 SPACING = 0.0123

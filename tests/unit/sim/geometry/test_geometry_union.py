@@ -13,7 +13,8 @@ from sim.geometry.meshes.overlap import volume_counted_wrongly
 from sim.geometry.meshes.repair import repair
 from sim.geometry.meshes.topology import Topology, joined
 from sim.geometry.meshes.union import united
-from sim.geometry.solids import MeshSolid, Pose
+from sim.geometry.pose import Pose
+from sim.geometry.solids import MeshSolid
 from tests.support.meshes import bow_tie, figure_of_eight
 
 

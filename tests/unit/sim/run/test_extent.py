@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.run.extent import filmed
+from sim.run.placing.extent import filmed
 from sim.run.world import World
 from sim.spec import SimulationSpec
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from sim.run.shortfalls import Work, shortfalls
-from sim.run.world import Counts
+from sim.run.reporting.counts import Counts
+from sim.run.reporting.shortfalls import Work, shortfalls
 from sim.spec import SimulationSpec
 
 BALL = {"shape": {"type": "sphere", "radius": 0.1}, "position": [0, 1, 0], "motion": "dynamic", "density": 500}

@@ -8,7 +8,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from scene.document import SceneError, read
+from scene.document import SceneError
+from scene.reader import read
 from tests.support import falling_ball
 from workflow.plan.jobs import ENTRY
 from workflow.plan.shelf import STUDY_FILES

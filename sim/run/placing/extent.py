@@ -10,7 +10,7 @@ import numpy as np
 from sim.bodies.planes import PlaneWall
 
 if TYPE_CHECKING:
-    from sim.run.world import World
+    from sim.run.placing.placed_scene import PlacedScene
 
 LEVEL = 0.999
 """Cosine of the angle between a normal and the vertical up to which a plane is a floor."""
@@ -18,14 +18,14 @@ STEEP = 0.1
 """Likewise, down to which something lands on a plane."""
 
 
-def filmed(world: World) -> dict[str, Any]:
+def filmed(placed: PlacedScene) -> dict[str, Any]:
     """What pictures need to know before they are drawn: `extent`, the box around all that is placed and around where
     it falls on planes (min, max [m]), and `ground`: the height of the level plane that nothing is below [m], and that
     at which the middle of the thinnest cloth lies over it [m]; null where there is none."""
-    points = np.concatenate([world.bounds, *_landings(world)])
-    obstacles = world.obstacles
+    points = np.concatenate([placed.bounds, *_landings(placed)])
+    obstacles = placed.obstacles
     floors = [wall.offset for wall in obstacles.walls if wall.normal[1] > LEVEL and wall.body not in obstacles.boxes]
-    thinnest = min((placed.sheet.thickness for placed in world.sheets), default=None)
+    thinnest = min((item.sheet.thickness for item in placed.sheets), default=None)
     return {
         "extent": {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()},
         "ground": {
@@ -35,17 +35,17 @@ def filmed(world: World) -> dict[str, Any]:
     }
 
 
-def _landings(world: World) -> Iterator[np.ndarray]:
+def _landings(placed: PlacedScene) -> Iterator[np.ndarray]:
     """Where what is free to fall meets the first plane under it [m]: the lower corners of its boxes."""
-    strength = float(np.linalg.norm(world.gravity))
+    strength = float(np.linalg.norm(placed.gravity))
     if strength == 0.0:
         return
-    boxes = [inflow.bounds for inflow in [*world.sources, *world.outlets]]
-    boxes += [placed.bounds for placed in world.sheets if not placed.held.any()]
-    boxes += [item.bounds for item in world.obstacles.dynamic.values()]
+    boxes = [inflow.bounds for inflow in placed.inflows]
+    boxes += [sheet.bounds for sheet in placed.sheets if not sheet.held.any()]
+    boxes += [item.bounds for item in placed.obstacles.dynamic.values()]
     for box in boxes:
         corners = np.stack(np.meshgrid(*np.transpose(box), indexing="ij"), axis=-1).reshape(8, 3)
-        yield from _under(corners, world.gravity / strength, world.obstacles.walls)
+        yield from _under(corners, placed.gravity / strength, placed.obstacles.walls)
 
 
 def _under(points: np.ndarray, down: np.ndarray, walls: list[PlaneWall]) -> Iterator[np.ndarray]:

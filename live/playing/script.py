@@ -12,6 +12,7 @@ import yaml
 
 from scene.document import Document
 from scene.load import Scene, compose, load
+from scene.reader import assign
 from scene.settings import Refused
 from sim.spec import Event, SimulationSpec
 
@@ -64,10 +65,10 @@ def _lasting(scene: Scene) -> dict[str, Any]:
     """What the scene file says for every preset, with the overrides, and without what belongs to a film."""
     document = Document(scene.written.source, copy.deepcopy(scene.written.data))
     for override in scene.overrides:
-        document.set(override)
+        assign(document, override)
         for quality, values in document.data.get("presets", {}).items():
             if _speaks_of(values, override.partition("=")[0].strip().split(".")):
-                document.set(f"presets.{quality}.{override}")
+                assign(document, f"presets.{quality}.{override}")
     data = {key: value for key, value in document.data.items() if key not in OF_FILMS}
     presets = {
         quality: {key: value for key, value in values.items() if key not in OF_FILMS}

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import os
-import queue
 import sys
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from live.history import History
-from live.picture import Course, Picture, Scenery, picture, scenery
-from live.script import Script
+from live.playing.actions import WaitingActions
+from live.playing.display import Display
+from live.playing.history import History
+from live.playing.output import PlayedOutput
+from live.playing.pace import Pace
+from live.playing.played import Answer, PlayedEvents
+from live.playing.script import Script
+from live.playing.status import Status
 from scene.document import SceneError
-from scene.events import TIME_TOLERANCE, apply
+from scene.events import TIME_TOLERANCE
 from scene.settings import Refused
 from sim.device import precision
 from sim.run.failure import Interrupted, Stopped
@@ -27,42 +30,19 @@ if TYPE_CHECKING:
     import numpy as np
 
     from scene.load import Scene
-    from sim.fluid.measure import Measure
     from sim.run.checkpoint import Checkpoint, Clock
-    from sim.run.world import World
-    from sim.spec import Event, SimulationSpec
+    from sim.spec import SimulationSpec
 
 NICE = 8
 """Priority of the simulation among processes."""
-MOST_WAITING = 200
-"""Actions that may wait for the next step."""
 LAST_FRAME = 1_000_000
-PICTURES = 1 / 25
-"""Shortest time between two pictures [s]."""
+LOOK = 0.1
+"""How long to wait for an action while paused, before looking whether to close [s]."""
 HISTORY = 1 << 30
 """Bytes of states to go back to."""
 
-Answer = Callable[[str], None]
-"""Told what was wrong; not called where nothing was."""
 Change = dict[str, Any] | Callable[[float], dict[str, Any]]
 """An event as a scene file describes it, without its time; or what makes one of its time [s]."""
-
-
-@dataclass(frozen=True)
-class Status:
-    """How a session stands."""
-
-    mode: Literal["starting", "paused", "playing", "closed"] = "starting"
-    frame: int = 0
-    time: float = 0.0
-    particles: int = 0
-    factor: float = 0.0
-    """Simulated over wall-clock time."""
-    steps_per_second: float = 0.0
-    problem: str = ""
-    """Why the simulation stopped, and what would help."""
-    kept: tuple[int, int] = (0, 0)
-    """First and last frame that can be gone back to."""
 
 
 class _Again(Exception):
@@ -78,28 +58,15 @@ class Session:
     def __init__(self, scene: Scene, *, threads: int | None = None, arch: str = "auto", history: int = HISTORY):
         self.script = Script(scene)
         self.status = Status()
-        self.picture: Picture | None = None
-        self.scenery = Scenery()
-        self.course = Course()
+        self.display = Display()
         self.history = History(history)
-        self.speed: float | None = None
-        """Simulated over wall-clock time at most; without it, as fast as it goes."""
-        self.watched = False
-        """Whether anybody looks at pictures."""
+        self.pace = Pace()
         self.said: deque[str] = deque(maxlen=100)
-        self._output: Any = _Output(self)
-        """Called as `sim.run.output.Output` is."""
-        self._actions: queue.Queue[Callable[[], None]] = queue.Queue(MOST_WAITING)
+        self._output: Any = PlayedOutput(self.display.course, self._stepped)
+        self._actions = WaitingActions()
         self._paused, self._single, self._closed = True, False, False
-        self._played: list[Event] = []
-        self._refusals: dict[int, Answer] = {}
-        self._seen: World | None = None
-        self._applied_until = -1.0
-        """Events up to this time [s] have happened."""
+        self.played = PlayedEvents()
         self._let_pass = False
-        self._drawn, self._drawn_at = (-1, -1), 0.0
-        self._paced_from = (0.0, 0.0)
-        self._recent: deque[tuple[float, float]] = deque(maxlen=30)
         self._threads, self._arch = threads, arch
         self._run: Run | None = None
         self.ready = threading.Event()
@@ -108,31 +75,31 @@ class Session:
 
     def play(self) -> None:
         """Go on from here."""
-        self._wait_for(self._play)
+        self._actions.add(self._play)
 
     def pause(self) -> None:
         """Stop before the next step."""
-        self._wait_for(lambda: self._pause())
+        self._actions.add(lambda: self._pause())
 
     def step(self) -> None:
         """Simulate to the end of the frame, then pause."""
-        self._wait_for(self._step)
+        self._actions.add(self._step)
 
     def go_back(self, frame: int) -> None:
         """To the last state kept at or before a frame; what was done since is forgotten."""
-        self._wait_for(lambda: self._go_back(frame))
+        self._actions.add(lambda: self._go_back(frame))
 
     def set_speed(self, factor: float | None) -> None:
         """Simulated over wall-clock time at most; none: as fast as it goes."""
-        self._wait_for(lambda: self._set_speed(factor))
+        self._actions.add(lambda: self.pace.limit(factor, self._simulation.clock.time))
 
     def change(self, data: Change, refused: Answer) -> None:
         """Let an event happen as soon as it can."""
-        self._wait_for(lambda: self._change(data, refused), refused)
+        self._actions.add(lambda: self._change(data, refused), refused)
 
     def save(self, path: Path, saved: Callable[[Scene], None], refused: Answer) -> None:
         """Write a scene file whose film shows the frames until now."""
-        self._wait_for(lambda: self._save(path, saved, refused), refused)
+        self._actions.add(lambda: self._save(path, saved, refused), refused)
 
     def close(self) -> None:
         """Let `run` return before the next step."""
@@ -152,11 +119,6 @@ class Session:
     def bounds(self) -> np.ndarray:
         """Box around all that happens [m], shape [2, 3]."""
         return self._simulation.world.bounds
-
-    @property
-    def waiting(self) -> int:
-        """How many changes happen with the next steps."""
-        return sum(event.at > self._applied_until + TIME_TOLERANCE for event in tuple(self._played))
 
     @property
     def _simulation(self) -> Run:
@@ -203,14 +165,11 @@ class Session:
 
     def _before_step(self) -> None:
         """Carry out what waits; wait while paused."""
-        if self._simulation.world is not self._seen:
-            self._applied_until = self._simulation.clock.time
+        if self._simulation.world is not self.display.seen:
+            self.played.applied_until = self._simulation.clock.time
             self._look_around()
         while True:
-            try:
-                while not self._closed:
-                    self._actions.get_nowait()()
-            except queue.Empty:
+            while not self._closed and self._actions.carry_out_next():
                 pass
             if self._closed:
                 raise Interrupted
@@ -218,32 +177,15 @@ class Session:
                 self._let_pass = False
                 break
             self._draw()
-            try:
-                self._actions.get(timeout=0.1)()
-            except queue.Empty:
-                continue
-        self._keep_pace()
-
-    def _keep_pace(self) -> None:
-        if self.speed is None or self._paused:
-            return
-        wall, simulated = self._paced_from
-        ahead = (self._simulation.clock.time - simulated) / self.speed - (time.perf_counter() - wall)
-        if ahead > 0:
-            time.sleep(min(ahead, 0.1))
+            self._actions.carry_out_next(wait=LOOK)
+        if not self._paused:
+            self.pace.keep(self._simulation.clock.time)
 
     # Actions
 
-    def _wait_for(self, action: Callable[[], None], refused: Answer | None = None) -> None:
-        try:
-            self._actions.put_nowait(action)
-        except queue.Full:
-            if refused:
-                refused("too many actions wait for the simulation: wait for it")
-
     def _play(self) -> None:
         self._paused, self._single = False, False
-        self._start_pace()
+        self.pace.start(self._simulation.clock.time)
         self.status = replace(self.status, mode="playing", problem="")
 
     def _pause(self, problem: str = "") -> None:
@@ -255,55 +197,31 @@ class Session:
         self._play()
         self._single = True
 
-    def _set_speed(self, factor: float | None) -> None:
-        self.speed = factor
-        self._start_pace()
-
-    def _start_pace(self) -> None:
-        self._paced_from = (time.perf_counter(), self._simulation.clock.time)
-        self._recent.clear()
-
     def _go_back(self, frame: int) -> None:
         state = self.history.back_to(frame)
         run = self._simulation
-        gone = {id(event) for event in self._played if event.at > state.clock.time - TIME_TOLERANCE}
-        self._forget(gone)
-        self.course.back_to(state.clock.time)
+        self.played.forget_from(state.clock.time, run)
+        self.display.course.back_to(state.clock.time)
         run.good = state
         self._pause()
         self.status = replace(self.status, problem="")
         raise _Again
 
-    def _forget(self, gone: set[int]) -> None:
-        run = self._simulation
-        self._played = [event for event in self._played if id(event) not in gone]
-        kept = tuple(event for event in run.spec.events if id(event) not in gone)
-        run.spec = run.spec.model_copy(update={"events": kept})
-
     def _change(self, data: Change, refused: Answer) -> None:
         run = self._simulation
-        applied = run.untouched and self._applied_until > run.clock.time - TIME_TOLERANCE
+        applied = run.untouched and self.played.applied_until > run.clock.time - TIME_TOLERANCE
         redone = applied and self._paused
         at = run.clock.frame / run.spec.fps if redone else run.earliest()
         try:
-            event = self.script.event(at, data(at) if callable(data) else data, self._upcoming(), run.spec.body_names())
+            upcoming = self.played.upcoming(self.spec)
+            event = self.script.event(at, data(at) if callable(data) else data, upcoming, run.spec.body_names())
         except SceneError as error:
             refused(str(error))
             return
-        run.bring_in(event)
-        self._played.append(event)
-        self._refusals[id(event)] = refused
+        self.played.bring_in(event, run, refused)
         self._let_pass = run.untouched
         if redone:
             raise _Again
-
-    def _upcoming(self) -> SimulationSpec:
-        """The settings in force once everything has happened that is on its way."""
-        spec = self.spec
-        for index, event in enumerate(self._played):
-            if event.at > self._applied_until + TIME_TOLERANCE:
-                spec = apply(spec, event, index)
-        return spec
 
     def _save(self, path: Path, saved: Callable[[Scene], None], refused: Answer) -> None:
         frames = self._simulation.clock.frame
@@ -322,28 +240,23 @@ class Session:
     def _resume(self) -> None:
         run = self._simulation
         run.resume(self._last_good)
-        self.course.drop()
-        self._applied_until = run.clock.time - 2 * TIME_TOLERANCE
+        self.display.course.drop()
+        self.played.applied_until = run.clock.time - 2 * TIME_TOLERANCE
         self._let_pass = self._happens_now
         self._look_around()
-        self._start_pace()
+        self.pace.start(run.clock.time)
 
     def _stopped(self, stopped: Stopped) -> None:
         """Go back to the last good state: without the change that was refused, or to pause and say why."""
-        run = self._simulation
         refused = stopped.__cause__ if isinstance(stopped.__cause__, Refused) else None
-        now = [event for event in self._played if abs(event.at - run.clock.time) < TIME_TOLERANCE]
-        if refused is not None and now:
-            self._refusals.pop(id(now[-1]), lambda text: None)(str(refused))
-            self._forget({id(now[-1])})
-        else:
+        if refused is None or not self.played.refuse(str(refused), self._simulation):
             report = stopped.report
             self._pause(f"stopped at {report['time']:.6g} s: {report['detected']}\nfix: {report['change']}")
         self._resume()
 
     def _frame_done(self) -> None:
         self.history.keep(self._last_good)
-        self._refusals.clear()
+        self.played.accept()
         if self._single:
             self._pause()
             self._let_pass = self._happens_now
@@ -354,43 +267,29 @@ class Session:
         return any(abs(event.at - run.clock.time) < TIME_TOLERANCE for event in run.spec.events)
 
     def _look_around(self) -> None:
-        self._seen = self._simulation.world
-        self.scenery = scenery(self._seen, self.scenery.number + 1)
-        self._drawn = (-1, -1)
+        self.display.look_around(self._simulation.world)
 
     def _draw(self) -> None:
-        """Make a picture, unless it would be the one there is."""
+        """Make a picture, unless it would be the one there is, and say how things stand."""
         run = self._simulation
-        if self._drawn == (run.clock.frame, run.clock.step):
+        drawn = self.display.draw(run)
+        if drawn is None:
             return
-        self.picture = picture(run.world, run.clock.frame, run.clock.time, self.scenery.number)
-        self._drawn, self._drawn_at = (run.clock.frame, run.clock.step), time.perf_counter()
-        rate, factor = self._rates()
+        rate, factor = self.pace.rates()
         frames = self.history.frames or [0]
         self.status = replace(
             self.status,
             frame=run.clock.frame,
             time=run.clock.time,
-            particles=len(self.picture.points),
+            particles=len(drawn.points),
             factor=factor,
             steps_per_second=rate,
             kept=(frames[0], frames[-1]),
         )
 
-    def _rates(self) -> tuple[float, float]:
-        """Steps per second, and simulated over wall-clock time, of the last steps."""
-        if len(self._recent) < 2:
-            return 0.0, 0.0
-        (began, simulated), (now, until) = self._recent[0], self._recent[-1]
-        wall = max(now - began, 1e-9)
-        return (len(self._recent) - 1) / wall, (until - simulated) / wall
-
-    def step_written(self, at: float, world: World, measure: Measure | None) -> None:
-        """A step was taken."""
-        now = time.perf_counter()
-        self.course.add(at, world, measure)
-        self._recent.append((now, at))
-        if self.watched and now - self._drawn_at >= PICTURES:
+    def _stepped(self, at: float) -> None:
+        self.pace.step(at)
+        if self.display.due:
             self._draw()
 
 
@@ -398,30 +297,3 @@ def _yield_to_others() -> None:
     """Let the page and a browser on this machine go first: this thread and those that it starts can wait."""
     if sys.platform == "linux":
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)
-
-
-class _Output:
-    """What a run writes to, in place of files."""
-
-    probes = None
-
-    def __init__(self, session: Session):
-        self._session = session
-
-    def step(
-        self,
-        step: int,
-        at: float,
-        dt: float,
-        wall: float,
-        world: World,
-        measure: Measure | None,
-        told: dict[str, float],
-    ) -> None:
-        self._session.step_written(at, world, measure)
-
-    def frame(self, frame: int, at: float, world: World) -> None:
-        self._session.course.settle()
-
-    def drop_rows(self) -> None:
-        self._session.course.drop()

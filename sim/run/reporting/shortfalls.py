@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from sim.cloth import INTEGRATORS
-from sim.run.world import Counts
+from sim.run.reporting.counts import Counts
 from sim.spec import SimulationSpec
+
+if TYPE_CHECKING:
+    from sim.cloth.spec import Cloth
+    from sim.fluid.spec import Fluid
 
 MANY = 0.05
 """Share of the steps of a run from which on it is told that they ended at a cap."""
@@ -29,7 +34,7 @@ def shortfalls(spec: SimulationSpec, before: Counts, after: Counts, work: Work) 
     to segment of a film; `spec` as it is at the end."""
     done = {name: getattr(after, name) - getattr(before, name) for name in vars(after)}
     if spec.fluid is not None:
-        yield from _of_fluid(spec, done, work)
+        yield from _of_fluid(spec.fluid, done, work)
     if done["contacts_capped"] > MANY * work.steps and spec.rigid is not None:
         yield _capped(
             "the sweeps over contacts of rigid bodies",
@@ -39,18 +44,18 @@ def shortfalls(spec: SimulationSpec, before: Counts, after: Counts, work: Work) 
             "shorten steps by rigid.max_step",
         )
     if spec.cloth is not None:
-        yield from _of_cloth(spec, done, work)
+        yield from _of_cloth(spec.cloth, done, work)
 
 
-def _of_fluid(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterator[str]:
-    fluid = spec.fluid
-    if done["pressure_capped"] > MANY * work.steps and fluid.solver != "wcsph":
-        settings = fluid.solver_settings
-        errors = [name for name in ("density_error", "divergence_error") if hasattr(settings, name)]
+def _of_fluid(fluid: Fluid, done: dict[str, int], work: Work) -> Iterator[str]:
+    from sim.fluid import load_solver
+
+    solver = load_solver(fluid.method)
+    if done["pressure_capped"] > MANY * work.steps and solver.CAP:
         yield _capped(
             "the pressure solver",
-            f"fluid.{fluid.solver}.max_iterations ({settings.max_iterations})",
-            " and ".join(f"fluid.{fluid.solver}.{name}" for name in errors),
+            f"{fluid.solver_path}.{solver.CAP} ({getattr(fluid.solver_settings, solver.CAP)})",
+            " and ".join(f"{fluid.solver_path}.{name}" for name in solver.ERRORS),
             "pressure_capped",
             "shorten steps by step.cfl",
         )
@@ -70,8 +75,8 @@ def _of_fluid(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterato
         )
 
 
-def _of_cloth(spec: SimulationSpec, done: dict[str, int], work: Work) -> Iterator[str]:
-    cloth, settings = spec.cloth, spec.cloth.implicit_euler
+def _of_cloth(cloth: Cloth, done: dict[str, int], work: Work) -> Iterator[str]:
+    settings = cloth.implicit_euler
     if done["cloth_capped"] > MANY * work.steps:
         cap = f"cloth.implicit_euler.max_newton ({settings.max_newton}) or max_iterations ({settings.max_iterations})"
         error = "cloth.implicit_euler.velocity_error and force_error"

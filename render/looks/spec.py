@@ -1,0 +1,135 @@
+"""Typed settings of looks: what water, bodies, sheets, containers, foam and the ground are made of."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from annotated_types import Ge, Le
+from pydantic import Field, field_validator
+
+from common.registry import added
+from render.color import Color, srgb
+from scene.diagnostics.suggestions import suggestion
+from scene.settings import Settings
+from scene.units import Dimensionless, PositiveLength
+
+Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
+RefractiveIndex = Annotated[Dimensionless, Ge(1), Le(4)]
+
+
+class Water(Settings):
+    """A clear liquid that tints the light on its way through."""
+
+    type: Literal["water"] = "water"
+    color: Color = srgb("#48abc9")
+    """What is left of white light after `clarity` metres."""
+    clarity: PositiveLength | None = None
+    """Way through the liquid after which white light has the `color` [m]; without it, 0.4 of
+    the diagonal of the box of the action, so that a glass and a harbour both look like water."""
+    ior: RefractiveIndex = 1.333
+    """Index of refraction."""
+    roughness: Fraction = 0.0
+    """0 is a mirror-smooth surface."""
+
+
+PRINCIPLED_COLORS = ("Base Color", "Specular Tint", "Coat Tint", "Sheen Tint", "Emission Color")
+PRINCIPLED_NUMBERS = (
+    *("Metallic", "Roughness", "IOR", "Alpha", "Diffuse Roughness"),
+    *("Subsurface Weight", "Subsurface Scale", "Subsurface IOR", "Subsurface Anisotropy"),
+    *("Specular IOR Level", "Anisotropic", "Anisotropic Rotation", "Transmission Weight"),
+    *("Coat Weight", "Coat Roughness", "Coat IOR", "Sheen Weight", "Sheen Roughness"),
+    *("Emission Strength", "Thin Film Thickness", "Thin Film IOR"),
+)
+
+
+class PrincipledLook(Settings):
+    """A look that Blender's Principled BSDF makes."""
+
+    principled: dict[str, Dimensionless | Color] = {}
+    """Inputs of Blender's Principled BSDF by their names in Blender, in place of what the look gives them, as
+    `{Coat Weight: 1, Emission Color: "#ff8800", Emission Strength: 3}`."""
+
+    @field_validator("principled")
+    @classmethod
+    def _inputs_that_it_has(cls, values: dict[str, Any]) -> dict[str, Any]:
+        for name, value in values.items():
+            if name not in PRINCIPLED_COLORS + PRINCIPLED_NUMBERS:
+                close = suggestion(name, PRINCIPLED_COLORS + PRINCIPLED_NUMBERS)
+                raise ValueError(f"the Principled BSDF has no input '{name}' that can be set: {close}")
+            if isinstance(value, tuple) is not (name in PRINCIPLED_COLORS):
+                kind, example = ("colour", "'#ff8800'") if name in PRINCIPLED_COLORS else ("number", "0.5")
+                raise ValueError(f"{name} must be a {kind}: write one, as {example}")
+        return values
+
+
+class Plastic(PrincipledLook):
+    """A coloured body under a clear, slightly glossy coat."""
+
+    type: Literal["plastic"]
+    color: Color | None = None
+    """Without it, the colours that a body's mesh file gives to its vertices, or `#e4572e` where it gives none."""
+    roughness: Fraction = 0.3
+    """0 is a mirror-smooth surface."""
+
+
+class Metal(PrincipledLook):
+    """Bare metal."""
+
+    type: Literal["metal"]
+    color: Color = srgb("#c9ccd1")
+    """Colour of the reflection."""
+    roughness: Fraction = 0.25
+    """0 is a mirror, 0.25 brushed, 0.5 cast."""
+
+
+class Stone(PrincipledLook):
+    """Rough stone with grains and stains."""
+
+    type: Literal["stone"]
+    color: Color = srgb("#8d8a84")
+    roughness: Fraction = 0.75
+    """0 is polished."""
+    grain: PositiveLength | None = None
+    """Size of the stains [m]; the grains are a tenth of it. Without it, a fifth of the body's diagonal."""
+
+
+class Matte(Settings):
+    """Chalk, paper, clay: no gloss at all."""
+
+    type: Literal["matte"]
+    color: Color = srgb("#d9d5cc")
+
+
+class ClothLook(PrincipledLook):
+    """Woven cloth: soft, with a sheen at grazing angles, letting some light through."""
+
+    type: Literal["cloth"]
+    color: Color = srgb("#b23a48")
+    roughness: Fraction = 0.8
+    """Of the sheen; 0.3 is satin, 1 felt."""
+    sheen: Fraction = 0.3
+    """Strength of the sheen."""
+    translucency: Fraction = 0.15
+    """Share of the light that comes through to the other side."""
+
+
+class Glass(Settings):
+    """Clear glass."""
+
+    type: Literal["glass"]
+    color: Color = srgb("#fcfefd")
+    """Colour of what is seen through one surface."""
+    ior: RefractiveIndex = 1.5
+    """Index of refraction."""
+    roughness: Fraction = 0.0
+    """0 is clear, 0.3 frosted."""
+
+
+LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
+
+if TYPE_CHECKING:
+    Look = Any
+else:
+    Look = Annotated[reduce(or_, LOOKS), Field(discriminator="type")]

@@ -1,0 +1,1 @@
+"""What a scene places, before anything is built that steps: where it all is, and how far it reaches."""
