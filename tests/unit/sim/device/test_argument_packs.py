@@ -6,7 +6,7 @@ import numpy as np
 
 
 def test_like_names_are_told_apart(taichi):
-    from tests.unit.sim import packed
+    from tests.unit.sim.device import packed
 
     def make(kind, factor, value, size):
         values, sizes = taichi.ndarray(taichi.f64, 3), taichi.ndarray(taichi.i32, 3)
