@@ -54,8 +54,8 @@ def pressure_limit(distance: float, pressure: float, density: float) -> float:
 
     Under a pressure p, particles of a lattice swing about their places, however pressures are found. The fastest wave
     that keeps densities is as short as two spacings; its frequency is 2.92 sqrt(p / rho) over the spacing
-    (`tests/verification/test_pressed_lattice.py`), so that symplectic Euler is stable up to 0.69 spacings of
-    sqrt(p / rho) in a step. The CFL number 0.4 makes that 0.5.
+    (`tests/verification/fluid/pressure/test_pressed_lattice.py`), so that symplectic Euler is stable up to 0.69
+    spacings of sqrt(p / rho) in a step. The CFL number 0.4 makes that 0.5.
     """
     return 1.25 * distance * math.sqrt(density / pressure) if pressure > 0 else math.inf
 

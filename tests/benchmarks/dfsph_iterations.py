@@ -1,7 +1,7 @@
 """The two ways in which DFSPH finds pressures, side by side: published Jacobi iterations and conjugate gradients.
 
-The dam break of `scenes/dam_break.yaml` at draft, and the standing wave of `tests/verification/test_solvers_wave.py` on
-10 layers, with the same errors allowed. Runs are made in turns; of times the median is given, all else is the same in
+The dam break of `scenes/dam_break.yaml` at draft, and the standing wave of
+`tests/verification/fluid/pressure/test_solvers_wave.py` on 10 layers, with the same errors allowed. Runs are made in turns; of times the median is given, all else is the same in
 each run. Prints a Markdown table. Use a machine that is idle.
 
     python -m tests.benchmarks.dfsph_iterations --seconds 1.5 --repeats 3
@@ -17,8 +17,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.support.solvers import steps
-from tests.verification.test_solvers_wave import swing
+from tests.support.fluid.solvers import steps
+from tests.verification.fluid.pressure.test_solvers_wave import swing
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "scenes/dam_break.yaml"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.support.solvers import SOLVERS
+from tests.support.fluid.solvers import SOLVERS
 
 FPS = 50
 FRAMES = 6

@@ -105,7 +105,7 @@ def test_each_test_runs_under_each_variant_with_what_it_shares_made_anew(tmp_pat
 
 
 def test_tests_that_simulate_nothing_are_left_out():
-    told = run_pytest("--collect-only", "tests/unit/test_passing.py", "tests/verification/test_xsph.py")
+    told = run_pytest("--collect-only", "tests/unit/test_passing.py", "tests/verification/fluid/forces/test_xsph.py")
     assert "test_passing.py" not in told
     assert all(f"[{variant}" in told for variant in rounding.VARIANTS)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import matplotlib
 
-from tests.support.solvers import SOLVERS, run
+from tests.support.fluid.solvers import SOLVERS, run
 from tests.validation.dam_break import FRONT_UNIT, HEIGHT_UNIT, LAST, Curves, curves, reference, scene
 
 COLORS = {"wcsph": "#0072b2", "pcisph": "#e69f00", "iisph": "#009e73", "dfsph": "#cc3377"}

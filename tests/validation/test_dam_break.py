@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.solvers import ITERATIVE, SOLVERS, run
+from tests.support.fluid.solvers import ITERATIVE, SOLVERS, run
 from tests.validation.dam_break import (
     FRONT_UNIT,
     HEIGHT_UNIT,

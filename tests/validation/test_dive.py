@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from scene.load import load
+from tests.support.fluid.solvers import run
 from tests.support.particles import read_table
-from tests.support.solvers import run
 
 BENCH = Path(__file__).resolve().parents[2] / "scenes" / "bench"
 RADIUS, MASS, WATER, AREA, DEPTH = 0.15, 7.056, 998.2, 1.2**2, 0.6

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.solvers import probe, run
+from tests.support.fluid.solvers import probe, run
 
 END = 0.69
 """Time [s] up to which impulses are compared: 0.3 s after the impact."""

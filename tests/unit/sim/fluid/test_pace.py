@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.support.systems import load
+from tests.support.fluid.systems import load
 
 WAY = 0.004
 

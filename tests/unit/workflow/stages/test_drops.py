@@ -9,7 +9,7 @@ import pytest
 
 from scene.presets import PRESETS
 from sim.bodies.wall import Wall
-from tests.support.lattices import lattice
+from tests.support.fluid.lattices import lattice
 from tests.support.meshes import open_edges
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from common.ply import FLUID_POINT, read_points, write_mesh, write_points
-from tests.support.lattices import lattice
+from tests.support.fluid.lattices import lattice
 from workflow.foam import main
 
 SPEC = {"particle_radius": 0.01, "support_radius": 0.04, "fps": 24, "foam": {"agitation": {"low": 0.1, "high": 0.5}}}

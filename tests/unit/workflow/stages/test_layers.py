@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from sim.geometry.thinning import first_come
-from tests.support import lattices
+from tests.support.fluid import lattices
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.spec import Layers, ReconstructSpec
 from workflow.stages.surface.surface import reconstruct

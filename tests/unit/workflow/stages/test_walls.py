@@ -7,7 +7,7 @@ import pytest
 
 from sim.bodies.wall import Wall
 from sim.spec import SimulationSpec
-from tests.support.lattices import lattice
+from tests.support.fluid.lattices import lattice
 from tests.support.meshes import open_edges
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec
