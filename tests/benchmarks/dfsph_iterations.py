@@ -3,7 +3,9 @@
 The dam break of `scenes/dam_break.yaml` at draft, and the standing wave of
 `tests/verification/fluid/pressure/test_solvers_wave.py` on 10 layers, with the same errors allowed. Runs are made in
 turns; of times the median is given, all else is the same in each run. Prints a Markdown table. Use a machine that is
-idle. python -m tests.benchmarks.dfsph_iterations --seconds 1.5 --repeats 3
+idle.
+
+python -m tests.benchmarks.dfsph_iterations --seconds 1.5 --repeats 3
 """
 
 from __future__ import annotations
