@@ -153,8 +153,8 @@ class ClothModel:
         `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
         if moved is not None:
             put(len(moved), self._solid_rows, moved, self.mesh.place)
-        if bodies is not None:
-            self.collisions.bodies.predict(bodies, moved, dt)
+            if bodies is not None:
+                self.collisions.bodies.predict(bodies, moved, dt)
         if self._pinned:
             targets = np.concatenate([part.at(until) for part in self._pinned])
             put(len(targets), self._pinned_rows, targets, self.mesh.place)
