@@ -41,7 +41,7 @@ def time_of_nearness(
     ds: vec3,
     distance: ti.f64,
 ) -> ti.f64:
-    """The share of the displacements after which primitives are `distance` [m] apart or less; above 1 if they never are."""
+    """The share of the displacements after which primitives are `distance` [m] apart or less; above 1 if never."""
     displacement = span(edges, dp, dq, dr, ds)
     time, near, rounds = ti.cast(0.0, ti.f64), 0, 0
     while near == 0 and time <= 1.0:
