@@ -142,7 +142,7 @@ class ClothModel:
         self, dt: float, until: float, moved: np.ndarray | None = None, bodies: Bodies | None = None
     ) -> dict[str, float]:
         """Step by dt [s] to the time `until` [s], when points of solids are `moved` [m]; returns what the integrator
-        tells."""
+        reports."""
         self.set_targets(dt, until, moved, bodies)
         return self.note(self.integrator.advance(dt))
 
@@ -153,15 +153,15 @@ class ClothModel:
         `moved` [m] by then, unless they belong to `bodies` that give way; and find the drag of air."""
         if moved is not None:
             put(len(moved), self._solid_rows, moved, self.mesh.place)
-        if bodies is not None:
-            self.collisions.bodies.predict(bodies, moved, dt)
+            if bodies is not None:
+                self.collisions.bodies.predict(bodies, moved, dt)
         if self._pinned:
             targets = np.concatenate([part.at(until) for part in self._pinned])
             put(len(targets), self._pinned_rows, targets, self.mesh.place)
         self.mesh.air.update(self.mesh)
 
     def note(self, stats: dict[str, float]) -> dict[str, float]:
-        """Remember of what the integrator tells whether solids leave no room, and whether it found a solution."""
+        """Remember of what the integrator reports whether solids leave no room, and whether it found a solution."""
         self.stuck = int(stats.get("cloth_stuck", 0))
         self.unsolved = stats.get("cloth_unsolved", 0) > 0
         return stats

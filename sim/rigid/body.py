@@ -95,7 +95,7 @@ class RigidMeasure:
     kinetic_energy: float
     potential_energy: float
     v_max: float
-    pace: float
+    relative_speed: float
     """The greatest speed over the body's own size [1/s]."""
     spin_max: float
     momentum: np.ndarray

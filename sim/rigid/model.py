@@ -269,7 +269,7 @@ class RigidModel(RigidBodies):
             kinetic_energy=float(0.5 * mass @ speed**2 + 0.5 * (self.momentum[dynamic] * spin).sum()),
             potential_energy=-float(mass @ (self.position[dynamic] @ self.gravity)),
             v_max=float((speed + reach * turning).max(initial=0.0)),
-            pace=float((speed / self.size[dynamic])[present].max(initial=0.0)),
+            relative_speed=float((speed / self.size[dynamic])[present].max(initial=0.0)),
             spin_max=float(turning.max(initial=0.0)),
             momentum=mass @ velocity,
             finite=bool(np.isfinite(everything).all()),
@@ -277,7 +277,7 @@ class RigidModel(RigidBodies):
 
     def step_limits(self, measure: RigidMeasure) -> dict[str, float]:
         """Largest steps [s] by what limits them."""
-        return step_limits(self.settings.max_step, measure.pace, measure.spin_max)
+        return step_limits(self.settings.max_step, measure.relative_speed, measure.spin_max)
 
     def limiting_term(self, term: str, measure: RigidMeasure) -> tuple[str, str]:
         """What one of `step_limits` comes from, and what would help."""

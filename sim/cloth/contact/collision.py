@@ -29,7 +29,7 @@ SHARE = 0.2
 PATIENCE, PATIENCE_WITH_BODIES = 0.025, 0.1
 """And no sooner than in this time [s]: what is pushed keeps the speed, and bodies are heavy."""
 HALVINGS = 40
-"""Of how far the ways of points that would pass one another differ."""
+"""Of how far the displacements of points that would pass one another differ."""
 
 
 class Collisions:
@@ -58,7 +58,7 @@ class Collisions:
         )
         self._detector = Detector(mesh, solids, walls, half, made)
         self._between = np.zeros((0, 3))
-        """Forces where bodies touch one another, as far as they are known [N]."""
+        """Forces where bodies touch one another, of the step before or as this one found them [N]."""
         self._tables = ContactTables(mesh.count)
 
     @property

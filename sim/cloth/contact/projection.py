@@ -26,7 +26,8 @@ def mobility(p: ti.template(), i: ti.i32) -> ti.f64:
 def _separation(
     c: ti.i32, points: ti.i32, share: ti.f64, contacts: ti.template(), place: ti.template(), motion: ti.template()
 ):
-    """Where the first side of a contact is, less that of the other [m], after a `share` of the ways of solids."""
+    """Where the first side of a contact is, less that of the other [m], after a `share` of the displacements of
+    solids."""
     total = vec3(0.0, 0.0, 0.0)
     for corner in ti.static(range(4)):
         i = contacts.corner[4 * c + corner]
@@ -144,7 +145,7 @@ def add_mean_force(c: ti.i32, number: ti.i32, contacts: ti.template()):
 
 @ti.func
 def solid_shares(number: ti.i32, left: ti.i32):
-    """Of the ways of solids, that are behind them after a small step and before it."""
+    """Shares of the displacements of solids after a small step and before it."""
     whole = ti.cast(number, ti.f64)
     return 1.0 - ti.cast(left - 1, ti.f64) / whole, 1.0 - ti.cast(left, ti.f64) / whole
 

@@ -56,7 +56,7 @@ class FreePieces:
         fixed[self._of(corners[others])] = True
         system, between = self._piece, corners[~others]
         if self._pieces > 1 and len(between):
-            count, found = groups(*(self._piece[between[:, k]] for k in (0, 3)), self._pieces)
+            count, found = groups(self._piece[between[:, 0]], self._piece[between[:, 3]], self._pieces)
             fixed, system = np.isin(np.arange(count), found[fixed]), found[self._piece]
         return system, ~fixed[system, None]
 

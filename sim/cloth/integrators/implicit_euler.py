@@ -84,7 +84,7 @@ class ImplicitEuler:
     def predict(self, dt: float, load: ti.Ndarray | None = None) -> None:
         """Find where a step of dt [s] with these forces of others on points [N] takes them, in `trial.place`."""
         self._pushed = load is not None
-        if not self._pushed and self._foresee_alone(dt):
+        if not self._pushed and self._predict_untouched(dt):
             return
         self._begin(dt, 1.0, 0.0, dt)
         if self._pushed:
@@ -94,7 +94,7 @@ class ImplicitEuler:
         self._counts, self._rounds = np.zeros(3, int), 0
         self._part(dt)
 
-    def _foresee_alone(self, dt: float) -> bool:
+    def _predict_untouched(self, dt: float) -> bool:
         """The same to the second order of the step, if that is such that nothing touches; returns whether it is."""
         if self.collisions.count or not self.past.serves(dt):
             return False

@@ -50,7 +50,8 @@ def put_back(total: ti.i32, p: Points, velocity: Vectors, motion: StepMotion):
 
 @ti.kernel
 def carry_solids(points: ti.i32, total: ti.i32, dt: ti.f64, p: Points, motion: StepMotion):
-    """Put the points of solids, behind the cloth's, at their targets, with the velocities of that way over dt [s]."""
+    """Put the points of solids, behind the cloth's, at their targets, with the velocities that take them there in
+    dt [s]."""
     for i in range(points, total):
         p.velocity[i] = (motion.target[i] - motion.start[i]) / dt
         p.position[i] = motion.target[i]

@@ -1,7 +1,7 @@
 """Integrators that take many small steps in one, in each of which contacts hold.
 
 What comes near is looked for along the whole of a step: before it, where points would go at their speed, and after it.
-Where that finds a contact that was not known, the step is made again with it.
+Where that finds a new contact, the step is made again with it.
 """
 
 from __future__ import annotations

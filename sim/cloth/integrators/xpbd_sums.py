@@ -188,6 +188,6 @@ def project_hinges(
 
 @ti.kernel
 def finish(points: ti.i32, dt: ti.f64, p: Points, motion: StepMotion):
-    """Velocities [m/s] are the ways of a substep over its dt [s]."""
+    """Velocities [m/s] are the displacements of a substep over its dt [s]."""
     for i in range(points):
         p.velocity[i] = (p.position[i] - motion.before[i]) / dt

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-from types import SimpleNamespace
 
 import numpy as np
+import trimesh
 
 from sim.cloth.contact.solids import Solids
 from sim.cloth.untangling.casting import cast
@@ -22,7 +22,7 @@ class Filled:
     def __init__(self, solids: Solids, body: int):
         self.name = solids.names[body]
         faces = solids.triangles[solids.body[solids.triangles[:, 0]] == body]
-        self._mesh = SimpleNamespace(vertices=solids.points, faces=faces)
+        self._mesh = trimesh.Trimesh(solids.points, faces, process=False)
         corners = solids.points[faces]
         self._low, self._high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
 

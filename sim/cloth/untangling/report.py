@@ -1,4 +1,4 @@
-"""What is told of cloth that was placed through something."""
+"""What is reported of cloth that was placed through something."""
 
 from __future__ import annotations
 
@@ -53,14 +53,14 @@ def count_through(placement: Placement, found: Intersections) -> dict[str, Count
 
 def report(placement: Placement, before: np.ndarray, through: dict[str, Counter[str]]) -> list[Untangled]:
     """Of sheets that were through something, or were moved since points were at the places `before` [m]."""
-    told = []
+    found = []
     for item, own in zip(placement.sheets, placement.of_sheet, strict=True):
         displacement = np.linalg.norm(placement.places[own] - before[own], axis=1)
         points = int((displacement > NOTICEABLE * item.sheet.thickness).sum())
         count = through[item.name]
         if points or count:
-            told.append(Untangled(item.name, count.total(), list(count), points, float(displacement.max())))
-    return told
+            found.append(Untangled(item.name, count.total(), list(count), points, float(displacement.max())))
+    return found
 
 
 def refusal(placement: Placement, found: Intersections) -> Refused:

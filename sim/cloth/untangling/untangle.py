@@ -41,10 +41,10 @@ def untangle(
     Raises Refused where there is no way out.
     """
     placement = Placement(sheets, state, solids)
-    told = _resolve(placement, up) if placement.begins.any() else []
-    moved = {item.sheet for item in told}
+    reports = _resolve(placement, up) if placement.begins.any() else []
+    moved = {item.sheet for item in reports}
     rows = zip(sheets, placement.of_sheet, strict=True)
-    return [replace(item, moved=placement.places[own]) if item.name in moved else item for item, own in rows], told
+    return [replace(item, moved=placement.places[own]) if item.name in moved else item for item, own in rows], reports
 
 
 def _resolve(placement: Placement, up: np.ndarray) -> list[Untangled]:

@@ -3,6 +3,8 @@
 Separating axes: Gottschalk et al. 1996.
 """
 
+from typing import Any
+
 import taichi as ti
 
 from sim.device.double import mat3, vec3
@@ -26,13 +28,8 @@ def _extent(turn: mat3, half: vec3, axis: vec3) -> ti.f64:
     return abs(turn.transpose() @ axis).dot(half)
 
 
-@ti.dataclass
-class Box:
-    """Where its middle is [m], its axes in the world, and its half edges [m]."""
-
-    x: vec3
-    turn: mat3
-    half: vec3
+Box: Any = ti.types.struct(x=vec3, turn=mat3, half=vec3)
+"""Where its middle is [m], its axes in the world, and its half edges [m]."""
 
 
 @ti.func

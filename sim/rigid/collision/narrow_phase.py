@@ -42,8 +42,7 @@ ASIDE = 0.875
 """Cosine of the angle, 29 degrees, by which a mesh's surface may face elsewhere than the body that it touches."""
 
 
-@ti.dataclass
-class Search:
+class _Search:
     """The least of a function of one variable, one value after the other (Kiefer 1953)."""
 
     low: ti.f64
@@ -83,6 +82,8 @@ class Search:
             else:
                 self.right, self.at_right = t, value
 
+
+Search: Any = ti.dataclass(_Search)
 
 Shapes: Any = ti.types.argpack(
     kind=Integers,

@@ -17,7 +17,7 @@ from sim.geometry.distance import closest_points, sdf
 from sim.geometry.distance.sdf import GRID, PLANE
 from sim.geometry.meshes import edges, normal_cones, winding
 from sim.geometry.primitives import primitive
-from sim.geometry.solids import MeshSolid, Solid
+from sim.geometry.solids import Solid
 
 POINT, SEGMENT, CIRCLE, AXIS = range(4)
 CELLS = 64
@@ -100,10 +100,13 @@ def plane_shape(normal: np.ndarray, offset: float) -> ContactShape:
 
 
 def contact_shape(solid: Solid, *, hollow: bool = False) -> ContactShape:
-    """The shape of a placed solid; the mesh of a large file is thinned."""
-    if isinstance(solid, MeshSolid):
-        return _mesh_shape(solid, hollow)
+    """The shape of a placed solid: of one without closed forms its surface as a mesh, which is thinned if it is large.
+
+    Raises TypeError for a kind of primitive whose features are not known here: it would meet nothing.
+    """
     shape, features = primitive(solid), Features()
+    if shape.kind == GRID:
+        return _mesh_shape(solid, hollow)
     radius, length = shape.size[:2]
     match shape.kind:
         case sdf.SPHERE:
@@ -118,6 +121,8 @@ def contact_shape(solid: Solid, *, hollow: bool = False) -> ContactShape:
             features.add(AXIS, np.zeros(3), np.array([0, length, 0]), radius)
         case sdf.TORUS:
             features.add(CIRCLE, np.zeros(3), np.array([radius, 0, 0]), length)
+        case _:
+            raise TypeError(f"bodies cannot meet a {type(solid).__name__}: contact_shape does not know its features")
     bounds = np.array([-shape.half, shape.half])
     return ContactShape(shape.kind, shape.size, features, shape.origin, shape.turn, bounds, hollow=hollow)
 
@@ -133,20 +138,22 @@ def _add_box(features: Features, half: np.ndarray) -> None:
             features.add(SEGMENT, centre, np.eye(3)[axis] * half)
 
 
-def _mesh_shape(solid: MeshSolid, hollow: bool) -> ContactShape:
+def _mesh_shape(solid: Solid, hollow: bool) -> ContactShape:
     """In the mesh's own frame as scaled, the origin in the middle of its bounding box."""
-    turn, scale = solid.pose.rotation, solid.pose.scale
-    local = _rounded((np.asarray(solid.surface.vertices, dtype=np.float64) - solid.pose.position) @ turn)
+    mesh, turn, scale = solid.mesh, solid.pose.rotation, solid.pose.scale
+    if mesh is None:
+        raise TypeError(f"bodies cannot meet a {type(solid).__name__}: it has neither closed forms nor a surface")
+    local = _rounded((np.asarray(mesh.vertices, dtype=np.float64) - solid.pose.position) @ turn)
     low, high = local.min(axis=0), local.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
-    faces = np.asarray(solid.surface.faces)
+    faces = np.asarray(mesh.faces)
     cell = float(2 * half.max()) / CELLS
     stored = cache.cached(
         "contact_shape",
         lambda: _measured(local - middle, faces, cell),
         arguments={"cell": cell, "rim": RIM},
         arrays=[local, faces],
-        sources=[__file__, *(used.__file__ for used in (closest_points, edges, normal_cones, thinning, winding))],
+        sources=[__file__, *(str(used.__file__) for used in (closest_points, edges, normal_cones, thinning, winding))],
         packages=("numpy", "scipy", "trimesh"),
     )
     features = Features()
@@ -172,7 +179,8 @@ def _measured(vertices: np.ndarray, faces: np.ndarray, cell: float) -> cache.Arr
 
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     low = vertices.min(axis=0) - RIM * cell
-    shape = tuple(int(n) for n in np.ceil((vertices.max(axis=0) + RIM * cell - low) / cell) + 1)
+    size = np.ceil((vertices.max(axis=0) + RIM * cell - low) / cell) + 1
+    shape = int(size[0]), int(size[1]), int(size[2])
     axes = [low[axis] + cell * np.arange(shape[axis]) for axis in range(3)]
     corners = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     away = closest_points.MeshDistance(mesh).unsigned(corners).reshape(shape)

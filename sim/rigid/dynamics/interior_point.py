@@ -47,8 +47,8 @@ def impulses(
     more than `error` [m/s].
     """
     count = len(friction)
-    spots = np.arange(3 * count).reshape(count, 3)
-    spots = np.repeat(spots, 3, axis=1).ravel(), np.tile(spots, (1, 3)).ravel()
+    row = np.arange(3 * count).reshape(count, 3)
+    spots = np.repeat(row, 3, axis=1).ravel(), np.tile(row, (1, 3)).ravel()
     blocks = np.asarray(mobility[spots]).reshape(count, 3, 3)
     along, across = 1 / blocks[:, 0, 0], 1 / np.linalg.eigvalsh(blocks[:, 1:, 1:])[:, 1]
     mass = float(np.median(along))

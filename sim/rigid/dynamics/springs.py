@@ -19,7 +19,7 @@ def pulled(pulls: Sequence[Pull], position: np.ndarray, velocity: np.ndarray, dt
     """
     rate, damping = np.zeros(3), 1.0
     for pull in pulls:
-        pace = 2 * math.pi / pull.period
-        rate += pace**2 * (np.array(pull.to) - position)
-        damping += 2 * pace * dt + (pace * dt) ** 2
+        frequency = 2 * math.pi / pull.period
+        rate += frequency**2 * (np.array(pull.to) - position)
+        damping += 2 * frequency * dt + (frequency * dt) ** 2
     return ((velocity + dt * rate) / damping - velocity) / dt

@@ -17,7 +17,8 @@ ENOUGH = 0.02
 
 @ti.func
 def span(edges: ti.template(), dp: vec3, dq: vec3, dr: vec3, ds: vec3) -> ti.f64:
-    """No point of one primitive comes nearer to any of the other than by this [m], for the ways of their points."""
+    """No point of one primitive comes nearer to any of the other than by this [m], for displacements of their
+    points."""
     displacement = ti.cast(0.0, ti.f64)
     if ti.static(edges):
         mean = 0.25 * (dp + dq + dr + ds)
@@ -40,7 +41,7 @@ def time_of_nearness(
     ds: vec3,
     distance: ti.f64,
 ) -> ti.f64:
-    """The share of the ways after which the primitives are `distance` [m] apart or less; above 1 if they never are."""
+    """The share of the displacements after which primitives are `distance` [m] apart or less; above 1 if never."""
     displacement = span(edges, dp, dq, dr, ds)
     time, near, rounds = ti.cast(0.0, ti.f64), 0, 0
     while near == 0 and time <= 1.0:

@@ -118,7 +118,7 @@ class _Numbers:
 
 
 def _time(corner: np.ndarray, weight: np.ndarray, normal: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """The share of their way at which the sides of contacts lay along their normals, shape [n]."""
+    """The share of their displacement at which the sides of contacts lay along their normals, shape [n]."""
     aside = [(weight[..., None] * places[np.maximum(corner, 0)]).sum(axis=1) for places in (start, end)]
     before, after = (apart - (apart * normal).sum(axis=1)[:, None] * normal for apart in aside)
     change = after - before

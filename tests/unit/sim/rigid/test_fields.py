@@ -99,3 +99,36 @@ def test_a_mesh_has_all_corners_of_its_hull():
     points = shape.origin + np.array(shape.features.centre) @ shape.turn.T
     for direction in np.random.default_rng(0).normal(size=(20, 3)):
         assert (points @ direction).max() == pytest.approx((solid.mesh.vertices @ direction).max(), abs=1e-9)
+
+
+def test_a_solid_without_closed_forms_is_met_by_its_mesh():
+    from sim.geometry.solids import Solid
+    from sim.rigid.collision.shapes import contact_shape
+
+    box = place(SHAPES["box"], PLACEMENT, Path())
+
+    class Other(Solid):
+        bounds, volume = box.bounds, box.volume
+
+        def signed_distance(self, points):
+            return box.signed_distance(points)
+
+        def mass_properties(self, density):
+            return box.mass_properties(density)
+
+    shape = contact_shape(Other(box.pose, box._local_mesh))
+    points = shape.origin + np.array(shape.features.centre) @ shape.turn.T
+    assert len(points) > 8 and shape.grid
+    assert np.abs(box.signed_distance(points)).max() < 1e-9
+
+
+def test_a_primitive_whose_features_nobody_wrote_is_refused(monkeypatch):
+    from dataclasses import replace
+
+    from sim.rigid.collision import shapes
+
+    box = place(SHAPES["box"], PLACEMENT, Path())
+    cone = replace(shapes.primitive(box), kind=99)
+    monkeypatch.setattr(shapes, "primitive", lambda solid: cone)
+    with pytest.raises(TypeError, match="contact_shape does not know its features"):
+        shapes.contact_shape(box)
