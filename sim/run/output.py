@@ -10,6 +10,7 @@ import numpy as np
 from common.ply import FLUID_POINT, write_mesh, write_points
 from sim.cloth.spec import Cloth
 from sim.geometry.solids import vertex_colors
+from sim.run.materials import present
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
 from sim.spec import SimulationSpec
@@ -100,14 +101,15 @@ class Output:
         """One row of steps.csv: energies in J, density errors as shares of the rest density; `stats` by the solver."""
         row = [step, time, dt, wall]
         if measure is not None:
-            count = world.fluid.count
+            fluid = present(world.fluid)
+            count = fluid.count
             row += [
                 count,
                 measure.compression_sum / count if count else 0.0,
-                max(measure.density_max / world.spec.fluid.rest_density - 1.0, 0.0) if count else 0.0,
+                max(measure.density_max / fluid.system.spec.rest_density - 1.0, 0.0) if count else 0.0,
                 measure.v_max,
                 measure.kinetic_energy,
-                world.fluid.potential_energy(measure) if count else 0.0,
+                fluid.potential_energy(measure) if count else 0.0,
             ]
             row += [stats.get(name, 0) for name in self._statistics]
         if self._contact_statistics:
@@ -142,9 +144,9 @@ class Output:
     def _frame(self, files: dict[str, Path], frame: int, time: float, world: World) -> None:
         if world.fluid is not None:
             write_points(files["fluid"], fluid_points(world))
-        for item in world.sheets:
-            vertices, velocities = world.cloth.vertices(item.name)
-            write_mesh(files[f"cloth_{item.name}"], vertices, item.fabric.triangles, velocities=velocities)
+        for sheet in world.sheets:
+            vertices, velocities = present(world.cloth).vertices(sheet.name)
+            write_mesh(files[f"cloth_{sheet.name}"], vertices, sheet.fabric.triangles, velocities=velocities)
         for item in world.obstacles.placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
             if not item.hollow:
@@ -172,7 +174,7 @@ class Output:
     def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
         if name not in self._meshes:
             self._meshes.add(name)
-            mesh = item.solid.mesh
+            mesh = item.solid.surface
             centre = np.zeros(3) if item.hollow else item.centre
             write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces, vertex_colors(mesh))
 
@@ -189,7 +191,7 @@ def _body_state(item: Obstacle, time: float) -> list[float]:
 
 def fluid_points(world: World) -> np.ndarray:
     """The particles as FLUID_POINT records in the order of their identities, world coordinates."""
-    state = world.fluid.state()
+    state = present(world.fluid).state()
     points = np.empty(state.count, dtype=FLUID_POINT)
     position = state.position[:, :3].astype(np.float64) + world.origin
     for axis, name in enumerate("xyz"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from sim.run.materials import present
 from sim.run.probes.probe import Row
 from sim.run.probes.spec import VertexPosition
 from sim.run.probes.view import View
@@ -14,5 +15,5 @@ MATERIALS = ("cloth",)
 def read(probe: VertexPosition, view: View) -> Iterator[Row]:
     """Its three coordinates [m]; nothing while the sheet is not there."""
     if view.has_sheet(probe.sheet):
-        place = view.world.cloth.vertices(probe.sheet)[0][probe.vertex]
+        place = present(view.world.cloth).vertices(probe.sheet)[0][probe.vertex]
         yield from ((f"position_{axis}", float(place[k]), "m") for k, axis in enumerate("xyz"))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.run.materials import present
+
 if TYPE_CHECKING:
     from sim.run.world import World
 
@@ -19,15 +21,15 @@ class Particles:
     """
 
     def __init__(self, world: World):
-        part = world.fluid
-        state = part.state()
-        self.h = part.system.h
-        self.mass = part.system.mass
-        self.spec = part.system.spec
+        model = present(world.fluid)
+        state = model.state()
+        self.h = model.system.h
+        self.mass = model.system.mass
+        self.spec = model.system.spec
         self.points = state.position[:, :3].astype(np.float64) + world.origin
         self.velocity = state.velocity[:, :3].astype(np.float64)
         self.density = state.velocity[:, 3].astype(np.float64)
-        self.pressure = part.system.pressures() * self.density**2
+        self.pressure = model.system.pressures() * self.density**2
 
 
 class View:
