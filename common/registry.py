@@ -20,19 +20,26 @@ KINDS = ("solvers", "forces", "integrators", "shapes", "probes", "looks", "forma
 
 def names(kind: str) -> tuple[str, ...]:
     """Names of one of KINDS that installed packages add; nothing of them is imported."""
-    return tuple(sorted(entry_points(group=f"tidemill.{kind}").names))
+    return tuple(sorted(_entries().select(group=f"tidemill.{kind}").names))
 
 
 @cache
 def added(kind: str) -> dict[str, Any]:
     """The classes of settings of one of KINDS that installed packages add, by name."""
-    return {entry.name: entry.load() for entry in sorted(entry_points(group=f"tidemill.{kind}"), key=lambda e: e.name)}
+    found = _entries().select(group=f"tidemill.{kind}")
+    return {entry.name: entry.load() for entry in sorted(found, key=lambda entry: entry.name)}
 
 
 def packages(*kinds: str) -> set[str]:
     """The packages in which the work of what they add is done, of all KINDS unless some are given."""
     modules = (s.IMPLEMENTATION.partition(":")[0] for kind in kinds or KINDS for s in added(kind).values())
     return {module.partition(".")[0] for module in modules}
+
+
+@cache
+def _entries() -> Any:
+    """Those of all installed packages, which takes as long as a file of each to read."""
+    return entry_points()
 
 
 def load(where: str) -> Any:
