@@ -24,7 +24,7 @@ from sim.rigid.dynamics import contact_solver, free_motion, restitution
 from sim.rigid.dynamics.contact_impulses import solve_impulses
 from sim.rigid.dynamics.release import borne_by, wrenches
 from sim.rigid.dynamics.springs import pulled
-from sim.rigid.dynamics.time_step_limits import TERMS, step_limits
+from sim.rigid.dynamics.time_step_limits import limiting_term, step_limits
 from sim.rigid.spec import Rigid
 
 STATISTICS = ("contacts", "contact_iterations", "contact_error", "overlap", "contacts_capped")
@@ -281,12 +281,7 @@ class RigidModel(RigidBodies):
 
     def limiting_term(self, term: str, measure: RigidMeasure) -> tuple[str, str]:
         """What one of `step_limits` comes from, and what would help."""
-        match term:
-            case "spin":
-                return f"{TERMS[term]} ({measure.spin_max:.3g} rad/s)", "let it turn more slowly"
-            case "travel":
-                return f"{TERMS[term]} ({measure.v_max:.3g} m/s)", "use lower speeds or larger bodies"
-        return TERMS[term], "raise it"
+        return limiting_term(term, measure.v_max, measure.spin_max)
 
     def state(self) -> RigidState:
         """What a checkpoint keeps of the bodies that obey forces, and of contacts."""

@@ -17,3 +17,14 @@ def step_limits(longest: float, relative_speed: float, spin: float) -> dict[str,
     if relative_speed > 0:
         limits["travel"] = DISPLACEMENT / relative_speed
     return limits
+
+
+def limiting_term(term: str, speed: float, spin: float) -> tuple[str, str]:
+    """What one of `step_limits` comes from, by the greatest speed [m/s] and angular velocity [rad/s], and what would
+    help."""
+    match term:
+        case "spin":
+            return f"{TERMS[term]} ({spin:.3g} rad/s)", "let it turn more slowly"
+        case "travel":
+            return f"{TERMS[term]} ({speed:.3g} m/s)", "use lower speeds or larger bodies"
+    return TERMS[term], "raise it"
