@@ -39,6 +39,11 @@ def given(settings: Given | None) -> Given:
     return settings
 
 
+def type_names(*models: type[Settings]) -> tuple[str, ...]:
+    """What stands as `type` in scenes for each of these."""
+    return tuple(name for model in models for name in get_args(model.model_fields["type"].annotation))
+
+
 def choices(model: type[Settings], setting: str) -> tuple[str, ...]:
     """The names that a setting chooses one of, those that installed packages add included."""
     return get_args(model.model_fields[setting].annotation)

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 from common.registry import added
 from render.color import Color, srgb
 from scene.diagnostics.suggestions import suggestion
-from scene.settings import Settings
+from scene.settings import Settings, type_names
 from scene.units import Dimensionless, PositiveLength
 
 Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
@@ -127,7 +127,9 @@ class Glass(Settings):
     """0 is clear, 0.3 frosted."""
 
 
-LOOKS = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, *added("looks").values())
+OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass)
+LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
+"""Those of Tidemill, and what installed packages add."""
 
 if TYPE_CHECKING:
     Look = Any

@@ -171,7 +171,7 @@ class Cloth(Settings):
     """The cloth of the scene."""
 
     sheets: Annotated[dict[Name, ClothSheet], Field(min_length=1)]
-    integrator: Literal[(*INTEGRATORS, *names("integrators"))] = "implicit_euler"
+    integrator: Literal[(*INTEGRATORS, *names("integrators", *INTEGRATORS))] = "implicit_euler"
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.005
     """Longest time step of a scene with cloth [s]."""
     air: Air | None = None

@@ -197,7 +197,7 @@ class Fluid(Settings):
     """Outlets that emit fluid, by name."""
     drains: dict[Name, Drain] = {}
     """Volumes in which fluid vanishes, by name."""
-    solver: Literal[(*SOLVERS, *names("solvers"))] = "wcsph"
+    solver: Literal[(*SOLVERS, *names("solvers", *SOLVERS))] = "wcsph"
     support_ratio: Annotated[Dimensionless, Ge(3), Le(6)] = 4.0
     """Support radius of the kernel over the particle radius."""
     rest_density: Density = 1000.0

@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt
 from pydantic import Field, model_validator
 
 from common.registry import added
-from scene.settings import Settings
+from scene.settings import Settings, type_names
 from scene.units import Angle, Dimensionless, Direction, Extents, Position, PositiveLength
 
 
@@ -137,7 +137,7 @@ class MeshFace(MeshSurface):
 
 PRIMITIVES = (Box, Sphere, Cylinder, Capsule, Torus)
 """Closed shapes that are known in closed form."""
-BY_TRIANGLES = (MeshFile, *added("shapes").values())
+BY_TRIANGLES = (MeshFile, *added("shapes", *type_names(*PRIMITIVES, Plane, Sheet, MeshFile)).values())
 """Those of files, and what installed packages add."""
 
 if TYPE_CHECKING:

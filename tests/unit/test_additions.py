@@ -94,6 +94,29 @@ def test_what_is_said_of_a_solver_names_its_own_settings(package, tmp_path):
     assert "it is for solver: mine, and the scene has solver: iisph" in done.stdout + done.stderr
 
 
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("solvers", "iisph"),
+        ("integrators", "xpbd"),
+        ("shapes", "torus"),
+        ("probes", "front"),
+        ("looks", "glass"),
+        ("solvers", "wind"),
+    ],
+)
+def test_a_name_that_is_taken_is_refused(package, kind, name):
+    """By what is built in, and by a force where both have settings in one group: neither acts for the other."""
+    (points,) = package.folder.glob("*.dist-info/entry_points.txt")
+    lines = points.read_text().splitlines()
+    lines.insert(lines.index(f"[tidemill.{kind}]") + 1, f"{name} = outside.settings:Mine")
+    points.write_text("\n".join(lines))
+    done = package.python("-m", "sim", "check", ROOT / "scenes" / "tiny" / "splash.yaml")
+    assert done.returncode == 2, done.stderr
+    assert f"the package outside adds a {kind[:-1]} named '{name}'" in done.stderr
+    assert f"tidemill.{kind}" in done.stderr and "Traceback" not in done.stderr
+
+
 def test_a_shape_is_a_solid(package, tmp_path):
     """m = rho pi r^2 h / 3, within the share (2 pi / 64)^2 / 6 of the circle that 64 sides leave."""
     code = f"""

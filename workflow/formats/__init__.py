@@ -12,4 +12,4 @@ FORMATS: dict[str, type[FormatSettings]] = dict.fromkeys(("usd", "usda", "usdc",
 
 def formats() -> dict[str, type[FormatSettings]]:
     """The settings of all formats, by the end of the names of their files."""
-    return FORMATS | added("formats")
+    return FORMATS | added("formats", *FORMATS)

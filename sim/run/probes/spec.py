@@ -10,7 +10,7 @@ from annotated_types import Ge
 from pydantic import Field, model_validator
 
 from common.registry import added
-from scene.settings import Name, Settings
+from scene.settings import Name, Settings, type_names
 from scene.units import Length, Position
 from sim.run.probes.probe import ProbeSettings
 
@@ -102,7 +102,8 @@ class PinForce(ProbeSettings):
     sheet: Name
 
 
-PROBES = (WaterHeight, Pressure, Front, Volume, BodyForce, VertexPosition, PinForce, *added("probes").values())
+OWN = (WaterHeight, Pressure, Front, Volume, BodyForce, VertexPosition, PinForce)
+PROBES = (*OWN, *added("probes", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""
 
 if TYPE_CHECKING:
