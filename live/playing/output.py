@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from live.playing.picture import Course
-    from sim.fluid.system import Measure
+    from sim.fluid.measure import Measure
     from sim.run.world import World
 
 

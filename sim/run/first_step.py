@@ -15,8 +15,8 @@ from sim.spec import SimulationSpec
 if TYPE_CHECKING:
     from sim.cloth.model import PlacedSheet
     from sim.cloth.spec import Cloth
+    from sim.fluid.measure import Measure
     from sim.fluid.spec import Fluid
-    from sim.fluid.system import Measure
     from sim.run.world import World
 
 Limits = dict[str, float]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sim.cloth.contact.solids import Solids
     from sim.cloth.fabric.state import ClothState
     from sim.cloth.model import PlacedSheet
-    from sim.cloth.untangling.untangle import Untangled
+    from sim.cloth.untangling.report import Untangled
     from sim.fluid.inflow.drains import Sink
     from sim.fluid.inflow.emitters import Outlet
     from sim.fluid.model import FluidState

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sim.bodies.obstacles import Obstacles
-    from sim.cloth.untangling.untangle import Untangled
+    from sim.cloth.untangling.report import Untangled
     from sim.rigid.model import RigidModel
 
 
