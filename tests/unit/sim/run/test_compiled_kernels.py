@@ -16,17 +16,17 @@ FLUID = {"solver": "dfsph", "particle_radius": 0.02, "bodies": {"b": {"shape": {
 FEATURES = {
     "surface_tension": {"surface_tension": 0.07, "surface_tension_model": "akinci2013"},
     "adhesion": {"adhesion": 0.05},
-    "implicit_viscosity": {"viscosity": 10.0},
+    "implicit_viscosity_sums": {"viscosity": 10.0},
     "xsph": {"xsph": 0.1},
 }
 """Settings by the module of sim.fluid that they need."""
-ITERATIVE = {"incompressible", "projection", "conjugate_gradients"}
+ITERATIVE = {"incompressible", "projection", "conjugate_gradient_sums"}
 BOUNDARY = {path.stem for path in (ROOT / "sim/fluid/boundary").glob("*.py")}
 CORRECTED = {"gradient_correction", "hyperviscosity"}
 ABSENT = (
     "surface_tension",
     "adhesion",
-    "implicit_viscosity",
+    "implicit_viscosity_sums",
     "xsph",
     "wcsph",
     "pcisph",
@@ -81,7 +81,7 @@ def modules(told: dict) -> set[str]:
 
 def test_a_scene_without_features_compiles_none_of_their_kernels(tmp_path):
     told = summary(tmp_path)
-    assert {"momentum", "projection", "system"} <= modules(told)
+    assert {"momentum", "projection", "measure"} <= modules(told)
     assert not modules(told) & set(ABSENT)
     assert told["chosen"] == {"fluid.viscosity_solver": "explicit"}
 
@@ -90,7 +90,7 @@ def test_a_scene_without_features_compiles_none_of_their_kernels(tmp_path):
 def test_a_scene_with_a_feature_compiles_its_kernels(tmp_path, feature):
     told = summary(tmp_path, **FEATURES[feature])
     assert modules(told) & set(FEATURES) == {feature}
-    assert told["chosen"]["fluid.viscosity_solver"] == ("implicit" if feature == "implicit_viscosity" else "explicit")
+    assert told["chosen"]["fluid.viscosity_solver"] == ("implicit" if feature == "implicit_viscosity_sums" else "explicit")
 
 
 @pytest.fixture(scope="module")
@@ -109,5 +109,5 @@ def test_what_a_scene_has_adds_its_own_kernels_only(tmp_path, plain, name):
         or (name == "no walls" and lost <= BOUNDARY)
         or (name in ("wcsph", "pcisph") and lost <= ITERATIVE | CORRECTED)
         or (name == "iisph" and lost - {"dfsph"} == CORRECTED)
-        or (name == "jacobi" and lost - {"dfsph"} == CORRECTED | {"conjugate_gradients"})
+        or (name == "jacobi" and lost - {"dfsph"} == CORRECTED | {"conjugate_gradient_sums"})
     )
