@@ -90,7 +90,9 @@ def test_a_scene_without_features_compiles_none_of_their_kernels(tmp_path):
 def test_a_scene_with_a_feature_compiles_its_kernels(tmp_path, feature):
     told = summary(tmp_path, **FEATURES[feature])
     assert modules(told) & set(FEATURES) == {feature}
-    assert told["chosen"]["fluid.viscosity_solver"] == ("implicit" if feature == "implicit_viscosity_sums" else "explicit")
+    assert told["chosen"]["fluid.viscosity_solver"] == (
+        "implicit" if feature == "implicit_viscosity_sums" else "explicit"
+    )
 
 
 @pytest.fixture(scope="module")
