@@ -122,7 +122,7 @@ def _lies_whole(arg: Any) -> bool:
 
 @functools.cache
 def _kinds(kernel: Any) -> tuple[int, ...] | None:
-    """Of all arguments of a kernel; None where one of them is of another kind."""
+    """Of all arguments of a kernel; None where one of them is of another kind, or a pack in which there is a pack."""
     from taichi.lang.argpack import ArgPackType
     from taichi.lang.matrix import MatrixType
     from taichi.types import ndarray_type, primitive_types
@@ -135,6 +135,8 @@ def _kinds(kernel: Any) -> tuple[int, ...] | None:
         if isinstance(needed, template) or needed is template:
             found.append(TEMPLATE)
         elif isinstance(needed, ArgPackType):
+            if any(isinstance(member, ArgPackType) for member in needed.members.values()):
+                return None
             found.append(PACK)
         elif isinstance(needed, ndarray_type.NdarrayType):
             found.append(ARRAY)
@@ -184,13 +186,8 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
 
 def _members(pack: Any) -> list[tuple[Any, Any]]:
     """All arrays of an argument pack and what is needed of them, in order."""
-    found = []
-    for (_, member), needed in zip(pack.items, pack._annotations, strict=True):
-        if hasattr(member, "_ArgPack__argpack"):
-            found += _members(member)
-        elif isinstance(member, _held()):
-            found.append((member, needed))
-    return found
+    members = zip(pack.items, pack._annotations, strict=True)
+    return [(member, needed) for (_, member), needed in members if isinstance(member, _held())]
 
 
 def _point(program: Any, context: Any, index: tuple[int, ...], array: Any, needed: Any) -> None:

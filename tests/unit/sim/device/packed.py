@@ -8,6 +8,16 @@ One = ti.types.argpack(factor=ti.f64, size=Whole, value=Numbers)
 Other = ti.types.argpack(value=Numbers, factor=ti.f64, size=Whole)
 
 
+Both = ti.types.argpack(one=One, out=Numbers)
+
+
+@ti.kernel
+def copy(both: Both, factor: ti.f64):
+    """Write factor value of the pack inside."""
+    for i in range(both.out.shape[0]):
+        both.out[i] = factor * both.one.value[i]
+
+
 @ti.kernel
 def combine(one: One, same: One, other: Other, out: Numbers):
     """Write factor value size of all three, in digits of their own."""
