@@ -37,6 +37,7 @@ class Faces:
         self.fit = vec4(*half_space_fit(spacing, h))
         self._rows = self._groups = self._entries = 0
         self._lists: Walls | None = None
+        self._points: Points | None = None
         self._make_room(1, 1, 1)
 
     def _make_room(self, points: int, groups: int, entries: int) -> None:
@@ -84,8 +85,11 @@ class Faces:
         return self._lists
 
     def points(self, position: ti.Ndarray, velocity: ti.Ndarray) -> Points:
-        """Points that nothing catches in gaps, to be placed."""
-        return Points(position, velocity, self.excess, self.excess)
+        """Points that nothing catches in gaps, to be placed; kept while the same arrays are asked for."""
+        known = self._points
+        if known is None or (known.position, known.velocity, known.slack) != (position, velocity, self.excess):
+            self._points = Points(position, velocity, self.excess, self.excess)
+        return self._points
 
     def find(self, position: ti.Ndarray, count: int, own: ti.Ndarray | None = None) -> None:
         """List the solids within the reach of `count` points [m], but for each point's `own`."""
