@@ -32,11 +32,12 @@ def canonical_json(data: Any) -> str:
 Given = TypeVar("Given")
 
 
-def given(settings: Given | None) -> Given:
-    """Settings that a scene may lack, by those who are asked only where it has them; raises LookupError otherwise."""
-    if settings is None:
-        raise LookupError("the scene has no such settings")
-    return settings
+def given(part: Given | None) -> Given:
+    """Settings or a material that a scene may lack, for those who are asked only where it has them; raises LookupError
+    otherwise."""
+    if part is None:
+        raise LookupError("the scene has no such settings or material")
+    return part
 
 
 def type_names(*models: type[Settings]) -> tuple[str, ...]:

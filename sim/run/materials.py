@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from scene.settings import given
 from sim.run.placing.placed_scene import PlacedScene
@@ -18,16 +18,6 @@ if TYPE_CHECKING:
     from sim.rigid.body import RigidState
     from sim.rigid.model import RigidModel
     from sim.run.reporting.counts import Counts
-
-
-Model = TypeVar("Model")
-
-
-def present(model: Model | None) -> Model:
-    """A material, for those who are asked only where the scene has it; raises LookupError otherwise."""
-    if model is None:
-        raise LookupError("the scene has no such material")
-    return model
 
 
 def build_rigid(placed: PlacedScene, state: RigidState | None, time: float) -> RigidModel:

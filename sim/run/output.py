@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from common.ply import FLUID_POINT, write_mesh, write_points
+from scene.settings import given
 from sim.cloth.spec import Cloth
 from sim.geometry.solids import vertex_colors
-from sim.run.materials import present
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
 from sim.spec import SimulationSpec
@@ -101,7 +101,7 @@ class Output:
         """One row of steps.csv: energies in J, density errors as shares of the rest density; `stats` by the solver."""
         row = [step, time, dt, wall]
         if measure is not None:
-            fluid = present(world.fluid)
+            fluid = given(world.fluid)
             count = fluid.count
             row += [
                 count,
@@ -145,7 +145,7 @@ class Output:
         if world.fluid is not None:
             write_points(files["fluid"], fluid_points(world))
         for sheet in world.sheets:
-            vertices, velocities = present(world.cloth).vertices(sheet.name)
+            vertices, velocities = given(world.cloth).vertices(sheet.name)
             write_mesh(files[f"cloth_{sheet.name}"], vertices, sheet.fabric.triangles, velocities=velocities)
         for item in world.obstacles.placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
@@ -191,7 +191,7 @@ def _body_state(item: Obstacle, time: float) -> list[float]:
 
 def fluid_points(world: World) -> np.ndarray:
     """The particles as FLUID_POINT records in the order of their identities, world coordinates."""
-    state = present(world.fluid).state()
+    state = given(world.fluid).state()
     points = np.empty(state.count, dtype=FLUID_POINT)
     position = state.position[:, :3].astype(np.float64) + world.origin
     for axis, name in enumerate("xyz"):

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scene.settings import given
 from sim.coupling.fluid_rigid.force_on_solid import reaction
-from sim.run.materials import present
 from sim.run.probes.probe import Row
 from sim.run.probes.spec import BodyForce, Region
 from sim.run.probes.view import View
@@ -29,8 +29,8 @@ def force_on(view: View, body: str, region: Region | None = None) -> tuple[np.nd
     box = np.array([region.low, region.high]) - world.origin if region else None
     for index, item in enumerate(world.obstacles.placed):
         if item.name == body and item.motion and item.motion.obeys_forces:
-            return present(world.floating).acting(index)
+            return given(world.floating).acting(index)
         if item.name == body:
             centre = item.centre_at(view.time) - world.origin
-            return reaction(present(world.fluid).system, index, centre, box)
+            return reaction(given(world.fluid).system, index, centre, box)
     return np.zeros(3), np.zeros(3)

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from scene.settings import given
 from sim.coupling.pressure_at import pressure_at
-from sim.run.materials import present
 from sim.run.probes.probe import Row
 from sim.run.probes.spec import Pressure
 from sim.run.probes.view import View
@@ -17,5 +17,5 @@ MATERIALS = ("fluid",)
 
 def read(probe: Pressure, view: View) -> Iterator[Row]:
     """Pressure at the point [Pa]."""
-    pressure = pressure_at(view.fluid, present(view.world.fluid).system, view.world.origin, np.array(probe.at))
+    pressure = pressure_at(view.fluid, given(view.world.fluid).system, view.world.origin, np.array(probe.at))
     yield "pressure", pressure, "Pa"

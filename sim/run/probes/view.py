@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sim.run.materials import present
+from scene.settings import given
 
 if TYPE_CHECKING:
     from sim.run.world import World
@@ -21,7 +21,7 @@ class Particles:
     """
 
     def __init__(self, world: World):
-        model = present(world.fluid)
+        model = given(world.fluid)
         state = model.state()
         self.h = model.system.h
         self.mass = model.system.mass
