@@ -3,7 +3,8 @@
 python tests/benchmarks/versions.py REVISION scenes/bunny.yaml scenes/bowl.yaml --frames 8
 
 The earlier version is checked out beside this one, and runs with the same packages. A first run of each, which compiles
-kernels and measures meshes, does not count; nor do the first steps of the others, which load kernels.
+kernels and measures meshes, does not count; nor do the first steps of the others, which load kernels. Each version goes
+first every other time: what runs second meets a machine that is warmer, and may be slower for it.
 """
 
 from __future__ import annotations
@@ -64,9 +65,9 @@ def main() -> None:
         try:
             for scene in options.scenes:
                 told = {before: [], ROOT: []}
-                for _ in range(options.turns + 1):
-                    for tree, runs in told.items():
-                        runs.append(run(tree, scene, options))
+                for turn in range(options.turns + 1):
+                    for tree in list(told)[:: 1 if turn % 2 else -1]:
+                        told[tree].append(run(tree, scene, options))
                 print(scene)
                 for key, unit in UNITS.items():
                     old, new = ([one[key] for one in runs[1:]] for runs in told.values())
