@@ -1,21 +1,22 @@
 import os
 import sys
 from functools import cache
-from pathlib import Path
 
 from snakemake.utils import min_version
 
+from common.distribution import HOME, reach_from_jobs
 from workflow.catalog import Catalog
 from workflow.plan.memory import estimate
 
 min_version("9.0")
+reach_from_jobs()
 
 
 report: "workflow/report/workflow.rst"
 
 
 catalog = Catalog(
-    Path(workflow.basedir),
+    HOME,
     config,
     workflow.resource_settings.cores or os.cpu_count() or 1,
     lambda: workflow.dryrun,

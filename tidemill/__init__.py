@@ -1,0 +1,19 @@
+"""From a scene file to a film: the command `tidemill`, folders of one's own, and the rules for their Snakefiles.
+
+Everything else lies beside this package in a checkout, and in `distribution/` of an installed one: there it takes no
+names such as `scene` or `render` from other packages of the environment. Importing this one makes it importable.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+_HERE = Path(__file__).resolve().parent
+DISTRIBUTION = _HERE / "distribution" if (_HERE / "distribution").is_dir() else _HERE.parent
+"""The folder of the packages common, scene, sim, render, workflow and live, of rules, scenes and profiles."""
+SNAKEFILE = str(DISTRIBUTION / "Snakefile")
+"""The rules that make films, for a `module` of another Snakefile."""
+
+if str(DISTRIBUTION) not in sys.path:
+    sys.path.insert(0, str(DISTRIBUTION))
