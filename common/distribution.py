@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 HOME = Path(__file__).resolve().parents[1]
-"""The folder of the packages, of the Snakefile, and of the scenes and profiles that come with them."""
+"""The folder of the packages, with the rules in `workflow`, and of the scenes and profiles that come with them."""
 
 
 def reach_from_jobs() -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 _HERE = Path(__file__).resolve().parent
 DISTRIBUTION = _HERE / "distribution" if (_HERE / "distribution").is_dir() else _HERE.parent
-"""The folder of the packages common, scene, sim, render, workflow and live, of rules, scenes and profiles."""
-SNAKEFILE = str(DISTRIBUTION / "Snakefile")
+"""The folder of the packages common, scene, sim, render, workflow, with the rules, and live, of scenes and profiles."""
+SNAKEFILE = str(DISTRIBUTION / "workflow" / "Snakefile")
 """The rules that make films, for a `module` of another Snakefile."""
 
 if str(DISTRIBUTION) not in sys.path:

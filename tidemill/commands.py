@@ -54,6 +54,7 @@ COMMANDS = {
     "status": Command("show how far a film is, and the time left", "workflow.status:main"),
     "preview": Command("draw a frame in seconds, without Blender", "workflow.preview:main"),
     "export": Command("write a film's geometry for other programs", "workflow.export:main", goes_on=True),
+    "doctor": Command("say whether this machine can make films, and what to do if not", "tidemill.doctor.report:main"),
 }
 EXAMPLES = """\
 examples:

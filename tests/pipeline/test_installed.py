@@ -63,7 +63,7 @@ def test_the_wheel_takes_no_name_but_its_own(wheel):
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True).stdout.split()
     folders = ("common/", "live/", "profiles/", "render/", "scene/", "scenes/", "sim/", "workflow/")
     needed = [name for name in tracked if name.startswith(folders)]
-    assert {f"tidemill/distribution/{name}" for name in ["Snakefile", *needed]} <= set(names)
+    assert {f"tidemill/distribution/{name}" for name in needed} <= set(names)
     assert not [name for name in names if "__pycache__" in name or "/tests/" in name]
 
 
