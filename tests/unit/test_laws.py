@@ -73,7 +73,7 @@ def test_law(law):
         ("render", {"taichi", "snakemake", "pysplashsurf", "viser"}),
         ("workflow", {"taichi", "bpy", "viser"}),
         ("live", {"taichi", "bpy", "snakemake", "pysplashsurf"}),
-        ("tidemill", {"taichi", "bpy", "snakemake", "pysplashsurf", "viser", "numpy"}),
+        ("tidemill", {"taichi", "bpy", "snakemake", "pysplashsurf", "viser"}),
     ],
 )
 def test_packages_from_elsewhere(package, foreign):
