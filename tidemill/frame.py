@@ -46,9 +46,11 @@ class Frame:
     common.ply.BadPly where files are missing or are other than a run writes them."""
 
     number: int
+    """From 0, the initial state."""
     time: float
     """[s]"""
     folder: Path
+    """Where the files of the run are."""
     _kept: TemporaryDirectory | None = field(default=None, repr=False, compare=False)
     """The folder, where it is to be removed with the last frame that is in it."""
 
