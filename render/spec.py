@@ -168,8 +168,6 @@ class RenderSpec(Settings):
     """How long the shutter is open, in frames."""
     device: Literal["auto", "cpu", "gpu"] = "auto"
     """`auto` takes a GPU when there is one, `gpu` refuses to do without."""
-    blender: Annotated[str, Field(min_length=1)] | None = None
-    """Path of an installed Blender to use instead of the bpy package."""
     view_transform: Literal["AgX", "Filmic", "Standard"] = "AgX"
     """From light to the colours of the screen."""
     contrast: Literal["low", "medium", "high"] = "high"

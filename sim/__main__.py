@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from common.command import end_with, go_on_unheard
+from scene import assets
 from scene.settings import Refused
 
 FAILED = 1
@@ -48,6 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
         command.add_argument("scene", type=Path, help="scene file, such as scenes/bunny.yaml")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
+        command.add_argument(
+            "--allow", action="append", default=[], metavar="DIR", help="let the scene read files below this folder, too"
+        )
     explain.add_argument(
         "--measure",
         action="store_true",
@@ -56,6 +60,11 @@ def main(arguments: list[str] | None = None) -> int:
     _add_run_options(run)
     _add_live_options(live)
     options = parser.parse_args(arguments)
+    try:
+        assets.allow(options.allow)
+    except Refused as refused:
+        print(f"refused: --allow: {refused}", file=sys.stderr)
+        return REFUSED
     return {"check": _check, "explain": _explain, "run": _run, "live": _live}[options.command](options)
 
 

@@ -21,11 +21,11 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from common.command import end_with
 from common.registry import load as implementation
+from render import program
 from scene.diagnostics.suggestions import suggestion
 from scene.document import SceneError
 from scene.load import Scene, load
@@ -104,7 +104,7 @@ def main(arguments: list[str] | None = None) -> int:
         settings = _settings(options.out, options.spec)
         scene = load(SCENE_FILES.find(options.scene), quality=options.quality)
         if options.blender is not None:
-            scene = replace(scene, render=scene.render.model_copy(update={"blender": options.blender}))
+            program.choose(options.blender)
         asked = options.frames or Frames(0, scene.last_frame)
         status = export(scene, options.out, settings, asked, options.simulation)
     except (SceneError, Refused) as error:
