@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from scene.document import SceneError
 from workflow.plan.jobs import FILMS
 
 STUDIES = "studies"
+_UNFIT = re.compile(r"[{}\x00-\x1f\x7f-\x9f\ud800-\udfff]")
+"""In the name of a file: Snakemake takes braces for a wildcard, and terminals take signs that control them."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +28,14 @@ class Shelf:
         """Names of all files, sorted."""
         folder = root / self.folder
         paths = (path.relative_to(folder).with_suffix("") for path in folder.rglob("*.yaml"))
-        return sorted(path.as_posix() for path in paths if path.parts[0] != STUDIES)
+        names = (path.as_posix() for path in paths if path.parts[0] != STUDIES)
+        return sorted(name for name in names if not _UNFIT.search(name))
 
     def find(self, name: str) -> Path:
         """The file of a name; raises SceneError, with the names that are close, where there is none."""
         path = self.folder / f"{name}.yaml"
+        if _UNFIT.search(name):
+            raise SceneError([f"{name!r} cannot be the name of a {self.noun}\n  fix: rename the file: no {{ or }}"])
         known = self.names()
         if name not in known:
             close = similar(name, known, most=3)
