@@ -39,9 +39,8 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
         raise Refused(f"{folder} is a link to {folder.resolve()}", remedy="remove it: uploads stay beside the scene")
     stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(name).stem)[:40] or "mesh"
     folder.mkdir(parents=True, exist_ok=True)
-    file = next(
-        path for path in (folder / f"{stem}{number or ''}{suffix}" for number in range(10_000)) if not os.path.lexists(path)
-    )
+    names = (folder / f"{stem}{number or ''}{suffix}" for number in range(10_000))
+    file = next(path for path in names if not os.path.lexists(path))
     with file.open("xb") as stream:
         stream.write(content)
     body = RigidBody(shape=MeshFile(type="mesh", file=file.name))

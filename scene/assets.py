@@ -21,7 +21,7 @@ from scene.settings import Refused
 _IN_PACKAGE = re.compile(r"(?P<package>[A-Za-z_]\w+):(?P<path>.+)", re.DOTALL)
 
 ALLOWED = "TIDEMILL_ALLOW"
-"""Variable of the environment with the folders that the user allows, so that jobs find them; parted as those of PATH."""
+"""Of the environment: the folders that the user allows, parted as those of PATH, so that jobs find them."""
 
 
 def allow(folders: Iterable[str]) -> None:
@@ -34,7 +34,8 @@ def allow(folders: Iterable[str]) -> None:
         if not os.path.isdir(folder) or os.pathsep in folder:
             why = "there is no such folder" if os.pathsep not in folder else f"its name holds {os.pathsep!r}"
             raise Refused(f"{folder} cannot be allowed: {why}", remedy="Name a folder with the files of scenes")
-    os.environ[ALLOWED] = os.pathsep.join([*filter(None, [os.environ.get(ALLOWED)]), *wanted])
+    if wanted:
+        os.environ[ALLOWED] = os.pathsep.join([*filter(None, [os.environ.get(ALLOWED)]), *wanted])
 
 
 def resolve(file: str, folder: Path) -> Path:

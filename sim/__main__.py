@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
         command.add_argument(
-            "--allow", action="append", default=[], metavar="DIR", help="let the scene read files below this folder, too"
+            "--allow", action="append", default=[], metavar="DIR", help="let the scene read below this folder, too"
         )
     explain.add_argument(
         "--measure",

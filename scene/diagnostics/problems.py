@@ -16,7 +16,6 @@ from scene.diagnostics.suggestions import similar, suggestion
 from scene.diagnostics.wrong_values import BOUNDS, KINDS, LIST, reason, shown_as
 from scene.document import Document, Location, dotted
 
-
 ELSEWHERE = (
     "remove it; an installed Blender is named by --config blender=PATH with snakemake, --blender PATH with "
     "python -m render, or TIDEMILL_BLENDER=PATH"

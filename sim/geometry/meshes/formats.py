@@ -160,7 +160,8 @@ def _refuse_gltf(path: Path) -> None:
         header: dict[str, Any] = json.loads(content[20 : 20 + length])
     else:
         header = json.loads(content)
-    if apart := [uri for item in header.get("buffers", ()) if not (uri := item.get("uri", "data:")).startswith("data:")]:
+    uris = [item.get("uri", "data:") for item in header.get("buffers", ())]
+    if apart := [uri for uri in uris if not uri.startswith("data:")]:
         raise Refused(f"{path.name!r} has its triangles in another file, {apart[0]!r}", remedy="Export it as GLB")
     most = max((item.get("count", 0) for item in header.get("accessors", ())), default=0)
     if most > len(content):

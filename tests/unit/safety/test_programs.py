@@ -1,0 +1,60 @@
+"""Nothing starts a program that a scene, a study or a file of settings names."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from render.__main__ import main as render
+from scene.document import SceneError
+from workflow.study.load import load_study
+
+WAYS = {
+    "in render": "render: {blender: ./evil.sh}\n",
+    "in a preset": "presets: {draft: {render: {blender: ./evil.sh}}}\n",
+    "at the top": "blender: ./evil.sh\n",
+    "in a wedge": "wedge: {render.blender: [./evil.sh, ./evil.sh]}\n",
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_scene_cannot_say_which_program_renders(stranger, way):
+    stranger.write(WAYS[way])
+    said = stranger.refused("blender", "cannot say which program renders")
+    for remedy in ("--config blender=PATH", "--blender PATH", "TIDEMILL_BLENDER=PATH"):
+        assert remedy in said
+
+
+def test_nor_can_an_override(stranger):
+    stranger.write()
+    status, said = stranger.command("check", stranger.scene, "--set", f"render.blender={stranger.program}")
+    assert (status, "TIDEMILL_BLENDER" in said) == (2, True)
+
+
+def test_nor_can_an_event(stranger):
+    stranger.write("events: [{at: 0.1, set: {render.blender: ./evil.sh}}]\n")
+    stranger.refused("events.0.set.render.blender")
+
+
+def test_nor_can_a_study(stranger):
+    stranger.write()
+    study = {
+        **{"description": "", "scene": "scene.yaml", "stage": "render", "set": {"render.blender": "./evil.sh"}},
+        **{"grids": [{"render.samples": [1, 2]}], "quantity": {"name": "picture", "table": "picture"}},
+        **{"reference": {"type": "trial", "set": {"render.samples": 4}}},
+    }
+    path = stranger.folder / "study.yaml"
+    path.write_text(json.dumps(study))
+    with pytest.raises(SceneError, match="TIDEMILL_BLENDER"):
+        load_study(path, "study")
+
+
+@pytest.mark.parametrize("place", [{}, {"materials": {"ball": {"type": "matte", "build": "os:system"}}}])
+def test_nor_can_a_file_of_settings(stranger, capsys, place):
+    spec = stranger.folder / "spec.json"
+    spec.write_text(json.dumps(place or {"blender": str(stranger.program)}))
+    words = ["--simulation", str(stranger.folder), "--frames", "0:0", "--out", str(stranger.home / "out")]
+    assert render(["--spec", str(spec), *words]) == 2
+    assert ("build" if place else "blender") in capsys.readouterr().err
+    assert not stranger.ran.exists()
