@@ -1,7 +1,7 @@
 """Where the files that a scene names lie, and what is in them.
 
 A scene may come from a stranger. It reads what lies in its own folder or below, in a folder `scenes` that this is in,
-in installed packages, and in folders that the user allows: nothing else, wherever links lead. Every file that a scene
+in Tidemill's own, in installed packages, and in folders that the user allows: nothing else, wherever links lead. Every file that a scene
 or a study names is looked up here.
 """
 
@@ -73,6 +73,8 @@ def digest(path: Path) -> str:
 _HOW_TO_NAME = "Give a path relative to the scene file, or PACKAGE:PATH for a file of an installed package"
 SHELF = "scenes"
 """Scenes that share a folder of this name, in it or further below, share their files."""
+_OWN = Path(__file__).parents[1] / SHELF
+"""The folder of the scenes that Tidemill brings."""
 
 
 def within_reach(file: str, folder: Path) -> Path:
@@ -85,7 +87,7 @@ def within_reach(file: str, folder: Path) -> Path:
         raise Refused(f"asset {file!r} is not a path: {error}", remedy=_HOW_TO_NAME) from error
     shelf = next((above for above in (own, *own.parents) if above.name == SHELF), own).resolve()
     allowed = [Path(item).resolve() for item in os.environ.get(ALLOWED, "").split(os.pathsep) if item]
-    if any(path.is_relative_to(place) for place in (own.resolve(), shelf, *allowed)):
+    if any(path.is_relative_to(place) for place in (own.resolve(), shelf, _OWN.resolve(), *allowed)):
         return path
     there = path.parent
     raise Refused(

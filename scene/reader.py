@@ -216,7 +216,7 @@ class _Reader:
             return self._mapping(node, location)
         if found := _CONTROL.search(node.value):
             marks[location] = self._mark(node.start_mark.line + 1)
-            message = f"holds the character U+{ord(found[0]):04X}, which controls terminals"
+            message = f"holds the control character U+{ord(found[0]):04X}"
             raise SceneError([self.document.problem(location, message, "remove it")])
         try:
             return _SCALARS[node.tag](node.value)

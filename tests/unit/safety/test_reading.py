@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from pathlib import Path
 
 import pytest
 import trimesh
@@ -11,6 +12,8 @@ import trimesh
 from scene.assets import resolve
 from scene.document import SceneError
 from workflow.study.load import load_study
+
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.mark.parametrize("file", ["../../../private/secret.ply", "~/private/secret.ply", "absolute", "link", "linked"])
@@ -57,7 +60,7 @@ def test_files_of_the_project_are_read(stranger, mesh_shape):
     models = stranger.project / "scenes" / "models"
     models.mkdir()
     trimesh.creation.box((0.1, 0.1, 0.1)).export(models / "box.ply")
-    for file in ("../models/box.ply", str(models / "box.ply")):
+    for file in ("../models/box.ply", str(models / "box.ply"), str(ROOT / "scenes" / "models" / "bowl.ply")):
         stranger.write(shape=mesh_shape(file))
         stranger.accepted()
     assert resolve("pymeshfix:examples/StanfordBunny.ply", stranger.folder).is_file()
