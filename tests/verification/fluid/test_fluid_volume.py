@@ -51,7 +51,7 @@ def scene(bodies: dict, rigid: dict | None = None, **others) -> dict:
 
 def poured(data: dict) -> tuple[World, np.ndarray, Counts]:
     """The world, the particles [m], and what was counted."""
-    world = World(SimulationSpec.model_validate(data), Path())
+    world = World(SimulationSpec.model_validate(data), Path("/"))
     names, counts = list(data["fluid"]["bodies"]), Counts()
     state = world.pour(FluidState(), names, names, counts, 0.0)
     return world, state.position[:, :3].astype(float) + world.origin, counts
@@ -149,7 +149,7 @@ def test_the_same_particles_every_time(tmp_path):
 )
 def test_check_tells_the_volume(size, told):
     data = scene({"water": {"shape": {"type": "box", "size": size}}})
-    found = preview(SimulationSpec.model_validate(data), Path())
+    found = preview(SimulationSpec.model_validate(data), Path("/"))
     assert any(told in text for text in (found.contents, *(caution.text for caution in found.cautions)))
     assert bool(found.cautions) == (size[1] < 0.0198)
 
