@@ -119,7 +119,7 @@ class Page:
     def _is_own(self, client: viser.ClientHandle) -> bool:
         """Whether a browser asks from this page, and not from one of another site that it shows."""
         connection = self.server._websock_server._live_connections.get(client.client_id)
-        if connection is None:  # it left already
+        if connection is None or connection.request is None:  # it left already
             return False
         headers = connection.request.headers
         if origin.is_own(headers):

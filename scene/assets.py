@@ -1,8 +1,8 @@
 """Where the files that a scene names lie, and what is in them.
 
 A scene may come from a stranger. It reads what lies in its own folder or below, in a folder `scenes` that this is in,
-in Tidemill's own, in installed packages, and in folders that the user allows: nothing else, wherever links lead. Every file that a scene
-or a study names is looked up here.
+in Tidemill's own, in installed packages, and in folders that the user allows: nothing else, wherever links lead. Every
+file that a scene or a study names is looked up here.
 """
 
 from __future__ import annotations

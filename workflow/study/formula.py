@@ -34,18 +34,16 @@ def _real(compute: Callable[..., float]) -> Callable[..., float]:
     return computed
 
 
-OPERATORS = {
-    sign: _real(compute)
-    for sign, compute in {
-        ast.Add: operator.add,
-        ast.Sub: operator.sub,
-        ast.Mult: operator.mul,
-        ast.Div: operator.truediv,
-        ast.Pow: math.pow,
-        ast.USub: operator.neg,
-        ast.UAdd: operator.pos,
-    }.items()
+_SIGNS: dict[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: math.pow,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
 }
+OPERATORS = {sign: _real(compute) for sign, compute in _SIGNS.items()}
 GRAMMAR = (ast.Expr, ast.Constant, ast.Name, ast.Call, ast.UnaryOp, ast.BinOp)
 """What a formula is made of: formats of texts could fill the memory, too."""
 LONGEST = 2000

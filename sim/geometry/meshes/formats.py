@@ -78,7 +78,7 @@ def _scene(path: Path) -> trimesh.Scene:
     import trimesh
 
     kind = path.suffix[1:].lower()
-    options = {"ply": {"skip_materials": True}, "3mf": {"postprocess": False}}.get(kind, {})
+    options: dict[str, Any] = {"ply": {"skip_materials": True}, "3mf": {"postprocess": False}}.get(kind, {})
     return trimesh.load_scene(BytesIO(path.read_bytes()), file_type=kind, process=False, **options)
 
 
@@ -133,7 +133,7 @@ def _built(path: Path) -> trimesh.Trimesh:
 
 def _parts(path: Path) -> int:
     """How many meshes a 3MF builds, through all that holds them."""
-    from lxml import etree
+    from lxml import etree  # type: ignore[import-untyped]
 
     held: dict[str, int] = {}
     built = 0

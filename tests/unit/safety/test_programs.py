@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +12,13 @@ from render.__main__ import main as render
 from scene.document import SceneError
 from workflow.study.load import load_study
 
+ROOT = Path(__file__).parents[3]
+STARTING = {
+    *("render/blender/installed.py", "workflow/stages/film/encode.py", "workflow/running/process.py"),
+    *("workflow/plan/foreseen.py", "workflow/budget/pilot.py", "workflow/study/trial.py"),
+    *("workflow/formats/animation.py", "workflow/gallery/collect.py"),
+}
+"""What starts programs: the Blender that the user names, ffmpeg, and commands of our own."""
 WAYS = {
     "in render": "render: {blender: ./evil.sh}\n",
     "in a preset": "presets: {draft: {render: {blender: ./evil.sh}}}\n",
@@ -58,3 +67,12 @@ def test_nor_can_a_file_of_settings(stranger, capsys, place):
     assert render(["--spec", str(spec), *words]) == 2
     assert ("build" if place else "blender") in capsys.readouterr().err
     assert not stranger.ran.exists()
+
+
+def test_programs_are_started_where_it_is_known():
+    chapters = ("common", "scene", "sim", "render", "workflow", "live")
+    files = [file for chapter in chapters for file in ROOT.glob(f"{chapter}/**/*.py")]
+    starting = re.compile(r"subprocess\.(?:run|Popen|call|check)|os\.(?:system|popen|exec|spawn|startfile)|shell=True")
+    found = {file.relative_to(ROOT).as_posix() for file in files if starting.search(file.read_text())}
+    assert found == STARTING
+    assert not [file for file in files if "shell=True" in file.read_text()]

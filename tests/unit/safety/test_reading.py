@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,7 @@ def test_a_folder_of_scenes_may_be_a_link(stranger, mesh_shape):
 def test_no_package_that_is_none(stranger, mesh_shape, monkeypatch, file):
     """A folder beside the program that runs could be imported, and is no package that was installed."""
     monkeypatch.syspath_prepend(stranger.home)
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
     stranger.write(shape=mesh_shape(file))
     stranger.refused("shape.file", file)
 

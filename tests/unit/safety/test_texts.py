@@ -67,7 +67,8 @@ def test_a_formula_computes_numbers(formula):
 def test_names_of_scenes_are_names_of_their_files(stranger, name):
     stranger.write()
     (stranger.project / "scenes" / f"{name.replace('/', '')}.yaml").write_text(stranger.scene.read_text())
-    with pytest.raises(SceneError):
+    says = "there is no scene" if "/" in name else "cannot be the name of a scene"
+    with pytest.raises(SceneError, match=says):
         SCENE_FILES.find(name)
     assert "stranger/scene" in SCENE_FILES.names() and name not in SCENE_FILES.names()
 

@@ -11,7 +11,10 @@ from live.uploads import keep
 from scene.load import load
 from scene.settings import Refused
 
-ELSEWHERE = ["../film.mp4", "/tmp/film.mp4", "link/film.mp4", "film.mp4", "renders/film.mp4", ".git/film.mp4"]
+ELSEWHERE = {
+    **dict.fromkeys(["../film.mp4", "/tmp/film.mp4", "link/film.mp4", "film.mp4"], "outside of the project's folder"),
+    **dict.fromkeys(["renders/film.mp4", ".git/film.mp4"], "the workflow manages"),
+}
 
 
 @pytest.mark.parametrize("place", ELSEWHERE)
@@ -19,7 +22,7 @@ def test_a_film_is_not_copied_elsewhere(stranger, place):
     (stranger.project / "link").symlink_to(stranger.home)
     (stranger.project / "film.mp4").symlink_to(stranger.home / "film.mp4")
     stranger.write(f"film: {{copy_to: {place}}}\n")
-    stranger.refused("film.copy_to")
+    stranger.refused("film.copy_to", ELSEWHERE[place])
 
 
 @pytest.mark.parametrize("place", ["film.txt", "Snakefile", "film.mp4/../x.py", '"a\\0.mp4"'])
