@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import viser
+from viser._messages import ShareUrlRequest
 
+from live import origin
 from live.panel import Panel
 from live.view import View
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
     from live.playing.session import Session
 
 log = logging.getLogger(__name__)
-LOOPBACK = ("127.0.0.1", "::1", "localhost")
 RATE = 30
 """Pictures a second that are sent at most."""
 
@@ -71,6 +72,8 @@ class Page:
         self._steers: int | None = None
         with silent():
             self.server = viser.ViserServer(host=host, port=port, label="Tidemill", verbose=False)
+        # Whoever is connected could have the page published.
+        self.server._websock_server.unregister_handler(ShareUrlRequest)
         self.server.gui.configure_theme(dark_mode=False, control_width="large", show_share_button=False)
         self.server.on_client_connect(self._came)
         self.server.on_client_disconnect(self._left)
@@ -96,7 +99,8 @@ class Page:
     def _came(self, client: viser.ClientHandle) -> None:
         token = self.token
         if token is None:
-            self._let_in(client)
+            if self._is_own(client):
+                self._let_in(client)
             return
         with client.gui.add_folder("This simulation asks for its token") as folder:
             given = client.gui.add_text("token", "")
@@ -111,6 +115,18 @@ class Page:
                 client.add_notification("Refused", "this is not the token that the terminal shows", color="red")
 
         enter.on_click(check)
+
+    def _is_own(self, client: viser.ClientHandle) -> bool:
+        """Whether a browser asks from this page, and not from one of another site that it shows."""
+        connection = self.server._websock_server._live_connections.get(client.client_id)
+        if connection is None or connection.request is None:  # it left already
+            return False
+        headers = connection.request.headers
+        if origin.is_own(headers):
+            return True
+        log.warning("a page of %s asked to steer this simulation, and was refused", headers.get("Origin"))
+        client.add_notification("Refused", "open the address that the terminal shows", color="red")
+        return False
 
     def _let_in(self, client: viser.ClientHandle) -> None:
         number = client.client_id

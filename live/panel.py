@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import time
 from collections.abc import Callable
@@ -229,7 +230,7 @@ class Panel:
             self.tell(f"'{name}' cannot be the name of a scene: use letters, digits, - and _")
             return
         path = self.session.script.scene.path.with_name(f"{name}.yaml")
-        if path.exists():
+        if os.path.lexists(path):
             self.tell(f"{path} is there already: choose another name")
             return
         self.session.save(

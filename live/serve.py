@@ -8,7 +8,8 @@ import threading
 from typing import Any
 
 from common.signals import hand_over
-from live.page import LOOPBACK, Page, new_token
+from live.origin import LOOPBACK
+from live.page import Page, new_token
 from live.playing.session import Session
 from scene.load import Scene
 

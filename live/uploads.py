@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 import sys
 from pathlib import Path
@@ -34,12 +35,14 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
             f"'{name}' has {len(content) / 1e6:.0f} MB, at most {MOST_BYTES / 1e6:.0f} are taken",
             remedy="send a coarser mesh",
         )
+    if folder.resolve() != folder.parent.resolve() / folder.name:
+        raise Refused(f"{folder} is a link to {folder.resolve()}", remedy="remove it: uploads stay beside the scene")
     stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(name).stem)[:40] or "mesh"
     folder.mkdir(parents=True, exist_ok=True)
-    file = next(
-        path for path in (folder / f"{stem}{number or ''}{suffix}" for number in range(10_000)) if not path.exists()
-    )
-    file.write_bytes(content)
+    names = (folder / f"{stem}{number or ''}{suffix}" for number in range(10_000))
+    file = next(path for path in names if not os.path.lexists(path))
+    with file.open("xb") as stream:
+        stream.write(content)
     body = RigidBody(shape=MeshFile(type="mesh", file=file.name))
     try:
         place(body.shape, body, folder)

@@ -16,6 +16,7 @@ from common.files import write_json
 from common.manifest import spoiled
 from common.registry import added, packages
 from common.signals import at_once
+from render import program
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
 from render.progress import Progress
@@ -80,10 +81,11 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         export=_export_path(options.export),
     )
     with Progress(len(job.frames())) as progress:
-        if spec.blender is not None:
+        blender = options.blender or program.chosen()
+        if blender is not None:
             from render.blender.installed import render_installed
 
-            summary = render_installed(spec.blender, job, scratch, progress.report)
+            summary = render_installed(blender, job, scratch, progress.report)
         else:
             before = time.perf_counter()
             from render.blender.work import carry_out
@@ -185,6 +187,11 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
     parser.add_argument(
         "--export", metavar="FILE", help="write the animation to this file instead of pictures: .usdc, .abc or .blend"
+    )
+    parser.add_argument(
+        "--blender",
+        metavar="PATH",
+        help=f"an installed Blender instead of the package bpy (default: ${program.VARIABLE}, if set)",
     )
     parser.add_argument("--log", metavar="FILE", help="keep what Blender prints in this file")
     return parser.parse_args(arguments)

@@ -12,6 +12,8 @@ from render.errors import Unusable
 
 def load(path: Path) -> Any:
     """The image of a file; raises Unusable where it is none, or cut off: Blender would light the scene in pink."""
+    if not path.is_file():  # others may never end, or wait for somebody who writes to them
+        raise Unusable(f"lights.environment: there is no file {path}: give the path of a panorama")
     try:
         image = bpy.data.images.load(str(path.resolve()))
     except RuntimeError:

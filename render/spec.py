@@ -20,6 +20,7 @@ from scene.units import Angle, Dimensionless, Length, Position, PositiveLength, 
 Pixels = Annotated[int, Ge(16), Le(16384)]
 Irradiance = Annotated[float, Ge(0), Le(1e6), Unit("W/m^2")]
 Power = Annotated[float, Ge(0), Le(1e9), Unit("W")]
+PANORAMAS = (".hdr", ".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 def _water_unless_told(value: Any) -> Any:
@@ -71,6 +72,13 @@ class Environment(Settings):
     """Factor on the panorama's brightness; 0 switches it off."""
     rotation: Angle = 0.0
     """Turn of the panorama about the vertical."""
+
+    @model_validator(mode="after")
+    def _is_a_picture(self) -> Self:
+        """Not a film: one may be a list of addresses from which Blender fetches its parts."""
+        if self.file is not None and not self.file.lower().endswith(PANORAMAS):
+            raise ValueError(f"file must end in {', '.join(PANORAMAS)}: save the panorama as one of these")
+        return self
 
     @model_validator(mode="after")
     def _one_panorama(self) -> Self:
@@ -168,8 +176,6 @@ class RenderSpec(Settings):
     """How long the shutter is open, in frames."""
     device: Literal["auto", "cpu", "gpu"] = "auto"
     """`auto` takes a GPU when there is one, `gpu` refuses to do without."""
-    blender: Annotated[str, Field(min_length=1)] | None = None
-    """Path of an installed Blender to use instead of the bpy package."""
     view_transform: Literal["AgX", "Filmic", "Standard"] = "AgX"
     """From light to the colours of the screen."""
     contrast: Literal["low", "medium", "high"] = "high"

@@ -23,7 +23,8 @@ from scene.notation import BLANKS, INVISIBLE, MINUS, plain
 MAX_BYTES = 10_000_000
 MAX_DEPTH = 40
 MAX_VALUES = 1_000_000
-"""Bounds of a scene: they stop what is no scene, and aliases that expand without end."""
+MAX_REPEATED = 50_000
+"""Bounds of a scene: they stop what is no scene, and aliases that expand without end: those repeat values."""
 
 
 def read(path: Path) -> Document:
@@ -140,6 +141,8 @@ def _integer(text: str) -> int | float:
     return int(plain(text)) if len(text) < 19 else float(plain(text))
 
 
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x84\x86-\x9f]")
+"""What no text needs: messages and lists of scenes show texts in terminals."""
 _TAG = "tag:yaml.org,2002:"
 _SCALARS: dict[str, Callable[[str], Any]] = {
     f"{_TAG}str": str,
@@ -160,6 +163,8 @@ class _Reader:
 
     def __init__(self, source: str, text: str):
         self.document = Document(source, {})
+        self._seen: set[int] = set()
+        self._repeated = 0
         # The line ends of YAML, not the many more of str.splitlines.
         self._lines = re.split("\r\n|[\r\n\x85\u2028\u2029]", text)
 
@@ -196,7 +201,9 @@ class _Reader:
         """Plain data of a node; every value's line is noted on the way."""
         marks = self.document.marks
         mark = marks.setdefault(location, self._mark(node.start_mark.line + 1))
-        if len(location) > MAX_DEPTH or len(marks) > MAX_VALUES:
+        self._repeated += id(node) in self._seen
+        self._seen.add(id(node))
+        if len(location) > MAX_DEPTH or len(marks) > MAX_VALUES or self._repeated > MAX_REPEATED:
             raise SceneError([self.document.problem(location[:1], TOO_MUCH, _syntax_remedy(TOO_MUCH))])
         if node.tag not in _TAGS[type(node)]:
             marks[location] = self._mark(node.start_mark.line + 1)
@@ -207,6 +214,10 @@ class _Reader:
             return [self.construct(item, (*location, index)) for index, item in enumerate(node.value)]
         if isinstance(node, yaml.MappingNode):
             return self._mapping(node, location)
+        if found := _CONTROL.search(node.value):
+            marks[location] = self._mark(node.start_mark.line + 1)
+            message = f"holds the control character U+{ord(found[0]):04X}"
+            raise SceneError([self.document.problem(location, message, "remove it")])
         try:
             return _SCALARS[node.tag](node.value)
         except (ValueError, KeyError):
@@ -223,7 +234,7 @@ class _Reader:
             here = (*location, key)
             first = self.document.marks.get(here)
             self.document.marks[here] = self._mark(line)
-            if not key or key_node.tag not in _SCALARS:
+            if not key or key_node.tag not in _SCALARS or _CONTROL.search(key):
                 remedy = "a key is a word, as in `radius: 0.1`"
                 raise SceneError([self.document.problem(here, "this cannot be the name of a setting", remedy)])
             if key == "<<":

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from common.command import as_called, end_with, go_on_unheard
+from scene import assets
 from scene.settings import Refused
 
 COMMAND = "python -m sim"
@@ -49,6 +50,9 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
         command.add_argument("scene", help="scene file, such as scenes/bunny.yaml, or its name, such as bunny")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
+        command.add_argument(
+            "--allow", action="append", default=[], metavar="DIR", help="let the scene read below this folder, too"
+        )
     explain.add_argument(
         "--measure",
         action="store_true",
@@ -57,6 +61,11 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     _add_run_options(run)
     _add_live_options(live)
     options = parser.parse_args(arguments)
+    try:
+        assets.allow(options.allow)
+    except Refused as refused:
+        print(f"refused: --allow: {refused}", file=sys.stderr)
+        return REFUSED
     return {"check": _check, "explain": _explain, "run": _run, "live": _live}[options.command](options)
 
 

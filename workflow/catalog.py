@@ -17,13 +17,14 @@ from scene.presets import QUALITIES
 from scene.reader import read
 from scene.settings import Refused
 from scene.wedge import MARK, Combination, split
+from workflow.plan import grants
 from workflow.plan.aims import AIMS, Aim, aim_of
 from workflow.plan.jobs import RESULTS, Digests, Job, Plan
 from workflow.plan.lookup import JobLookup, stop
 from workflow.plan.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.plan import wedge_job
 
-CONFIG_KEYS = ("quality", "keep", *(aim.key for aim in AIMS))
+CONFIG_KEYS = ("quality", "keep", *grants.KEYS, *(aim.key for aim in AIMS))
 COMMAND = "python -m workflow.catalog"
 KEEP = ("all", "film")
 """What is kept of a film: its parts too, or nothing else."""
@@ -46,6 +47,7 @@ class Catalog(JobLookup):
         self.keep = config.get("keep", "all")
         if self.keep not in KEEP:
             stop(f"--config keep={self.keep}: nothing of that name can be kept\n  fix: one of {', '.join(KEEP)}")
+        grants.grant(config)
         self._aim = aim_of(config, cores)
         if self._aim is not None:
             self._quality = self._aim.quality

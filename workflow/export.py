@@ -21,13 +21,13 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from common import manifest
 from common.command import as_called, end_with
 from common.distribution import HOME
 from common.registry import load as implementation
+from render import program
 from scene.diagnostics.suggestions import suggestion
 from scene.document import SceneError
 from scene.load import Scene, load
@@ -111,7 +111,7 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
         settings = _settings(options.out, options.spec)
         scene = load(SCENE_FILES.locate(options.scene), quality=options.quality)
         if options.blender is not None:
-            scene = replace(scene, render=scene.render.model_copy(update={"blender": options.blender}))
+            program.choose(options.blender)
         asked = options.frames or Frames(0, scene.last_frame)
         status = export(scene, options.out, settings, asked, options.simulation)
     except (SceneError, Refused) as error:

@@ -57,7 +57,9 @@ class Script:
         head = f"# Played live from {self.scene.path.name} (python -m sim live {self.scene.path.name}).\n"
         text = head + yaml.safe_dump(data, sort_keys=False, allow_unicode=True, default_flow_style=None, width=120)
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        # Never through a link, which `exists` takes for nothing where it leads to nothing.
+        with path.open("x", encoding="utf-8") as stream:
+            stream.write(text)
         return load(path)
 
 

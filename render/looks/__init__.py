@@ -36,5 +36,6 @@ def load_look(look: Any) -> Build:
     except ImportError as error:
         raise Unusable(
             f"the look `type: {look.type}` cannot be built in this Blender: {error}\n"
-            "  fix: let what builds it import bpy and the standard library alone, or leave out render.blender"
+            "  fix: let what builds it import bpy and the standard library alone, or render with the package bpy, "
+            "without --blender or TIDEMILL_BLENDER"
         ) from None

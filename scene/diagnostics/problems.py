@@ -16,6 +16,11 @@ from scene.diagnostics.suggestions import similar, suggestion
 from scene.diagnostics.wrong_values import BOUNDS, KINDS, LIST, reason, shown_as
 from scene.document import Document, Location, dotted
 
+ELSEWHERE = (
+    "remove it; an installed Blender is named by --config blender=PATH with snakemake, --blender PATH with "
+    "python -m render, or TIDEMILL_BLENDER=PATH"
+)
+
 
 def explain(error: ValidationError, document: Document, model: type[BaseModel]) -> list[str]:
     """One text a problem: place, field, what is wrong, what would be right."""
@@ -89,6 +94,8 @@ def _told(detail: Any, path: Location, document: Document, model: type[BaseModel
     kind, context, given = detail["type"], detail.get("ctx", {}), detail["input"]
     group, unit = _context(model, detail["loc"])
     shown, in_unit = shown_as(given), f" [{unit}]" if unit not in {"", "1"} else ""
+    if kind == "extra_forbidden" and path[-1] == "blender":
+        return "a scene cannot say which program renders", ELSEWHERE
     if kind == "extra_forbidden":
         return f"unknown key '{path[-1]}'", _known_as(str(path[-1]), path[:-1], given, group, model)
     if kind == "missing":

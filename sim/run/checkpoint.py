@@ -147,6 +147,9 @@ def _read(path: Path) -> tuple[Head, dict[str, np.ndarray]]:
     """The contents of a state file; raises Refused for anything else."""
     try:
         with zipfile.ZipFile(path) as archive:
+            # States are not compressed: what unpacks to more than its file would fill the memory.
+            if sum(item.file_size for item in archive.infolist()) > path.stat().st_size:
+                raise _damaged(path, "it holds more than its size")
             broken = archive.testzip()
         if broken:
             raise _damaged(path, f"{broken} is broken")

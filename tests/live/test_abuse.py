@@ -222,6 +222,21 @@ def test_only_one_of_two_steers(stage, page):
     stage.until(lambda session: first.press("Next frame") or session.status.frame > 1)
 
 
+def test_a_page_of_another_site_sees_and_does_nothing(stage, page, monkeypatch):
+    """A browser that shows it would let it connect to this machine."""
+    shared = []
+    monkeypatch.setattr(page.server, "request_share_url", lambda: shared.append("published"))
+    stranger = Viewer(page.port, origin="https://evil.example")
+    stage.until(lambda session: stranger.told)
+    stranger.send(type="ShareUrlRequest")
+    assert "the address that the terminal shows" in stranger.told[0]
+    own = Viewer(page.port, origin=f"http://127.0.0.1:{page.port}")
+    own.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
+    assert not stranger.fields and not stranger.pictures and not shared
+    assert len(page.viewers) == 1
+
+
 def test_who_does_not_know_the_token_sees_and_does_nothing(stage):
     page = Page(stage.session, host="127.0.0.1", port=0, token="the token")
     stranger = Viewer(page.port)

@@ -30,9 +30,10 @@ CAMERA = {
 class Viewer:
     """One connection. It answers pictures at once, and knows the fields that it was sent, by their labels."""
 
-    def __init__(self, port: int):
+    def __init__(self, port: int, origin: str | None = None):
         self._socket = connect(
             f"ws://127.0.0.1:{port}",
+            origin=origin,
             subprotocols=[f"viser-v{viser.__version__}"],
             max_size=None,
             compression=None,

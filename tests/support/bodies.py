@@ -45,7 +45,7 @@ def part(
     from sim.spec import SimulationSpec
 
     spec = SimulationSpec.model_validate({"gravity": gravity, "fps": 24, "rigid": {"bodies": bodies, **rigid}})
-    made = assemble(spec, find_obstacles(spec, Path()))
+    made = assemble(spec, find_obstacles(spec, Path("/")))
     return RigidModel(made, np.array(gravity), spec.rigid, RigidState())
 
 

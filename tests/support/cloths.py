@@ -39,7 +39,7 @@ def part(
     from sim.cloth.spec import Cloth
 
     settings = Cloth.model_validate({"sheets": sheets, **cloth})
-    return ClothModel(find_sheets(settings, Path()), np.array(gravity), settings, ClothState(), 0.0)
+    return ClothModel(find_sheets(settings, Path("/")), np.array(gravity), settings, ClothState(), 0.0)
 
 
 def step(part: ClothModel, seconds: float, dt: float, each: Callable[[float], None] | None = None) -> None:
@@ -81,7 +81,7 @@ def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
     runtime.start(threads=1, arch="cpu")
     cloth = {"sheets": sheets, **settings.pop("cloth", {})}
     spec = SimulationSpec.model_validate({"fps": 24, "rigid": {"bodies": bodies}, "cloth": cloth, **settings})
-    world = World(spec, Path())
+    world = World(spec, Path("/"))
     world.build(None, {}, Counts(), print, 0.0, going_on=False)
     return world
 

@@ -169,8 +169,8 @@ def test_a_look_is_drawn(package, tmp_path, blender, installed):
     simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
     settings = {"resolution": [48, 48], "samples": 4, "view_transform": "Standard", "ground": {"enabled": False}}
     settings |= {"materials": {"ball": {"type": "neon"}}, "background": {"type": "plain", "color": "#000000"}}
-    settings |= {"blender": str(blender)} if installed else {}
-    options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
+    options = ["--blender", blender] if installed else []
+    options += ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
     done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "frames" / "00000.png") as picture:
@@ -183,12 +183,12 @@ def test_a_look_that_needs_what_blender_has_not_is_refused(package, tmp_path, bl
     look.write_text(f"import pydantic\n\n{look.read_text()}")
     ball = {"shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0.5, 0]}
     simulated = package.simulate(tmp_path / "simulation", 0, fps=24, rigid={"bodies": {"ball": ball}})
-    settings = {"resolution": [16, 16], "samples": 1, "blender": str(blender), "materials": {"ball": {"type": "neon"}}}
-    options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames"]
+    settings = {"resolution": [16, 16], "samples": 1, "materials": {"ball": {"type": "neon"}}}
+    options = ["--simulation", simulated, "--frames", "0:0", "--out", tmp_path / "frames", "--blender", blender]
     done = package.python("-m", "render", "--spec", json.dumps(settings), *options)
     assert done.returncode == 2
     assert "the look `type: neon` cannot be built in this Blender: No module named 'pydantic'" in done.stderr
-    assert "leave out render.blender" in done.stderr
+    assert "without --blender or TIDEMILL_BLENDER" in done.stderr
 
 
 def test_an_integrator_steps(package, tmp_path):

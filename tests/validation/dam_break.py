@@ -29,17 +29,17 @@ HEIGHT_UNIT = np.sqrt(A / G)
 """The time tau = 1 [s] of the height's table."""
 LAST = int(np.ceil(3.44 * HEIGHT_UNIT * FPS))
 """The frame at the end of both tables."""
+HERE = Path(__file__).parent
 FILES = {
-    "front": "martin_moyce_front.csv",
-    "height": "martin_moyce_height.csv",
-    "koshizuka_oka": "koshizuka_oka_front.csv",
+    "front": HERE.parents[1] / "scenes" / "studies" / "reference" / "martin_moyce_front.csv",
+    "height": HERE / "reference" / "martin_moyce_height.csv",
+    "koshizuka_oka": HERE / "reference" / "koshizuka_oka_front.csv",
 }
 
 
 def reference(name: str) -> tuple[np.ndarray, np.ndarray]:
     """The measured times and values of `front` or `height`, or those of the front by `koshizuka_oka`."""
-    path = Path(__file__).parent / "reference" / FILES[name]
-    table = np.genfromtxt(path, delimiter=",", skip_header=2)
+    table = np.genfromtxt(FILES[name], delimiter=",", skip_header=2)
     return table[:, 0], table[:, 1]
 
 

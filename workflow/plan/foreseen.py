@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from render import program
 from render.errors import Unusable
 from scene import assets
 from scene.diagnostics import idle
@@ -29,9 +30,9 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     yield from idle.cautions(scene)
     yield from _after_the_end(scene)
     yield from _of_the_camera(scene, found)
-    blender = scene.render.blender
+    blender = program.chosen()
     if blender is not None and shutil.which(blender) is None:
-        yield Caution(f"there is no Blender at {blender} on this machine", ("render", "blender"))
+        yield Caution(f"there is no Blender at {blender} on this machine, which {program.VARIABLE} names")
 
 
 def refuse_panorama(scene: Scene) -> None:

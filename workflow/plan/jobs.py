@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from render import program
 from scene import assets
 from scene.load import Scene
 from scene.settings import canonical_json
@@ -186,7 +187,7 @@ class Plan:
             frames=frames,
             spec=_render_spec(self.scene),
             code=self._code("render"),
-            versions=_blender(self.scene.render.blender),
+            versions=_blender(program.chosen()),
             assets=_assets(self.scene.assets, set(self.scene.assets) - _files(self.scene.simulation)),
             upstream=tuple(self.job(stage, segment).plan for stage in self._shown()),
         )
@@ -267,7 +268,7 @@ def _blender(path: str | None) -> str:
     if path is None:
         return versions("bpy")
     try:
-        state = Path(path).resolve().stat()
+        state = program.found(path).stat()
         return f"versions blender {path}, {state.st_size} bytes, changed {state.st_mtime_ns}"
     except OSError:
         return f"versions blender {path}, absent"

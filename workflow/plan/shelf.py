@@ -6,6 +6,7 @@ Those of the working directory come first; those that come with this software ar
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,8 @@ from scene.document import SceneError
 from workflow.plan.jobs import FILMS
 
 STUDIES = "studies"
+_UNFIT = re.compile(r"[{}\x00-\x1f\x7f-\x9f\ud800-\udfff]")
+"""In the name of a file: Snakemake takes braces for a wildcard, and terminals take signs that control them."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Shelf:
     def _below(self, folder: Path) -> Iterator[str]:
         for path in folder.rglob("*.yaml"):
             name = path.relative_to(folder).with_suffix("")
-            if name.parts[0] != STUDIES:
+            if name.parts[0] != STUDIES and not _UNFIT.search(name.as_posix()):
                 yield name.as_posix()
 
     def locate(self, written: str) -> Path:
@@ -46,6 +49,8 @@ class Shelf:
 
     def find(self, name: str) -> Path:
         """The file of a name; raises SceneError, with the names that are close, where there is none."""
+        if _UNFIT.search(name):
+            raise SceneError([f"{name!r} cannot be the name of a {self.noun}\n  fix: rename the file: no {{ or }}"])
         known = self.names()
         path = self.folder / f"{name}.yaml"
         if name not in known:

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from scene import grid
+from scene import assets, grid
 from scene.diagnostics.problems import explain
 from scene.document import Document, SceneError
 from scene.load import Scene, load
@@ -67,7 +67,12 @@ def load_study(path: Path, name: str) -> LoadedStudy:
 
 
 def _check(study: Study, folder: Path) -> None:
-    """Refuse what would be found out only after hours."""
+    """Refuse what would be found out only after hours, and files that lie where scenes may not read."""
+    for location, file in study.files():
+        try:
+            assets.within_reach(file, folder)
+        except Refused as refused:
+            raise refused.at(*location) from None
     if not isinstance(study.reference, ByTrial):
         measure.truth(study.reference, study.quantity, study.scale, folder)
     elif study.scale is not None:

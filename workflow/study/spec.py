@@ -158,6 +158,11 @@ class Study(Settings):
                 raise ValueError(f"{field} names a setting that no grid varies: one of {', '.join(self.paths())}")
         return self
 
+    def files(self) -> list[tuple[tuple[str, ...], str]]:
+        """Files that the study names: path of keys, and the file as written."""
+        table = [(("reference", "file"), self.reference.file)] if isinstance(self.reference, ByTable) else []
+        return [(("scene",), self.scene), *table]
+
     def paths(self) -> list[str]:
         """All settings that a grid varies, in order."""
         return list(dict.fromkeys(path for grid in self.grids for path in grid))

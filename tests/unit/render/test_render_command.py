@@ -55,7 +55,7 @@ def test_the_same_frame_has_the_same_bytes_in_any_block(film, tmp_path):
     ("spec", "said"),
     [
         ({"samples": -1}, "samples"),
-        ({**TINY, "blender": "no/such/blender"}, "no/such/blender"),
+        ({**TINY, "blender": "no/such/blender"}, "blender"),
         ({**TINY, "lights": {"environment": {"file": "gone.hdr"}}}, "gone.hdr"),
     ],
 )
@@ -64,6 +64,11 @@ def test_refusals(film, tmp_path, spec, said):
     assert done.returncode == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_blender_that_is_not_there_is_refused(film, tmp_path):
+    done = run(film, tmp_path / "out", TINY, "--blender", "no/such/blender")
+    assert (done.returncode, "no/such/blender" in done.stderr) == (2, True)
 
 
 def test_a_missing_extent_is_refused(film, tmp_path):
@@ -87,7 +92,7 @@ def test_a_folder_that_can_not_be_made_is_a_failure(film, tmp_path):
 
 @pytest.mark.skipif(shutil.which("blender") is None, reason="no installed Blender")
 def test_an_installed_blender_takes_the_place_of_the_wheel(film, tmp_path):
-    done = run(film, tmp_path / "out", {**TINY, "blender": "blender"}, frames="0:1")
+    done = run(film, tmp_path / "out", TINY, "--blender", "blender", frames="0:1")
     assert done.returncode == 0, done.stderr
     first, second = (picture(tmp_path / "out" / name) for name in ("00000.png", "00001.png"))
     assert first.shape == (18, 32, 3)

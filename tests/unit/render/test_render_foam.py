@@ -63,18 +63,19 @@ def box(bright: np.ndarray) -> tuple[float, float, float, float]:
 
 
 @pytest.mark.parametrize(
-    "settings",
+    "blender",
     [
-        {},
+        "",
         pytest.param(
-            {"blender": shutil.which("blender")},
+            "blender",
             marks=pytest.mark.skipif(shutil.which("blender") is None, reason="no Blender is installed"),
         ),
     ],
     ids=["bpy", "installed"],
 )
-def test_a_ball_is_where_and_as_large_as_it_should_be(tmp_path, settings):
-    found = box(picture(tmp_path, [(1.0, 0.5, 0.0, 0.0, 0.4)], **settings))
+def test_a_ball_is_where_and_as_large_as_it_should_be(tmp_path, monkeypatch, blender):
+    monkeypatch.setenv("TIDEMILL_BLENDER", blender)
+    found = box(picture(tmp_path, [(1.0, 0.5, 0.0, 0.0, 0.4)]))
     middle = HEIGHT / 2
     expected = (middle + 0.6 * METRE, middle + 1.4 * METRE, middle - 0.9 * METRE, middle - 0.1 * METRE)
     assert found == pytest.approx(expected, abs=2.0)

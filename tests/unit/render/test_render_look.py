@@ -84,7 +84,7 @@ def test_a_camera_that_moves_sees_the_wall_from_both_places(wall, tmp_path):
 @pytest.mark.skipif(shutil.which("blender") is None, reason="needs a Blender that is installed, as Debian's package")
 def test_a_stock_blender_opens_the_scene_with_all_that_is_in_it(wall, tmp_path):
     blend = tmp_path / "scene.blend"
-    render(wall, tmp_path / "out", "--save-blend", str(blend), frames="0:0", blender=shutil.which("blender"))
+    render(wall, tmp_path / "out", "--save-blend", str(blend), "--blender", "blender", frames="0:0")
     told = (
         "import bpy; o = bpy.data.objects['wall']; print('TOLD', len(o.data.polygons), bool(bpy.context.scene.camera), "
     )

@@ -31,7 +31,7 @@ def test_a_missing_package(bench, scene):
 
 def test_a_folder_and_an_impossible_path(bench, scene):
     ask(bench, scene, ".", "is a folder")
-    ask(bench, scene, "a\\0b.ply", "not a path")
+    ask(bench, scene, "a\\0b.ply", "control character")
 
 
 @pytest.mark.parametrize(

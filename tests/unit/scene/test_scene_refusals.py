@@ -182,7 +182,7 @@ ADDED = {
     "copy to an absolute path": ("film: {copy_to: /tmp/film.mp4}", "film.copy_to", "outside of the project"),
     "copy to a path above": ("film: {copy_to: ../film.mp4}", "film.copy_to", "outside of the project", "gallery/"),
     "copy among the results": ("film: {copy_to: renders/film.mp4}", "film.copy_to", "the workflow manages"),
-    "copy to no path": ('film: {copy_to: "a\\0b.mp4"}', "film.copy_to", "not a path"),
+    "copy to no path": ('film: {copy_to: "a\\0b.mp4"}', "film.copy_to", "control character"),
     "copy to a long path": (f"film: {{copy_to: {'a' * 5000}.mp4}}", "film.copy_to", "not a path"),
 }
 

@@ -20,12 +20,13 @@ def encode(frames: Path, film: Path, *, fps: float, crf: int) -> None:
     reproducible = ["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-threads", "1"]
     command = [
         *(imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-hide_banner", "-loglevel", "error", "-y"),
-        *("-framerate", f"{fps:.12g}", "-i", str(frames / "%05d.png")),
+        *("-framerate", f"{fps:.12g}", "-i", "%05d.png"),
         *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"),
         *("-c:v", "libx264", "-crf", str(crf), "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
         *reproducible,
-        *("-f", "mp4", str(film)),
+        *("-f", "mp4", str(film.resolve())),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    # From within the folder, since a % in its name would be taken for a pattern, too.
+    done = subprocess.run(command, cwd=frames, capture_output=True, text=True, errors="replace")
     if done.returncode:
         raise EncoderFailed(done.stderr.strip() or f"ffmpeg ended with exit code {done.returncode}")

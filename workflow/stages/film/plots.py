@@ -47,7 +47,7 @@ def plot(steps: Path, image: Path, *, title: str, volume: tuple[Sequence[float],
     if not times or not count:
         return False
     figure = Figure(figsize=(WIDTH, PANEL_HEIGHT * count + 0.6), layout="constrained")
-    figure.suptitle(title, x=0.01, ha="left")
+    figure.suptitle(title, x=0.01, ha="left", parse_math=False)
     axes = figure.subplots(count, sharex=True, squeeze=False)[:, 0]
     for ax, panel in zip(axes, panels, strict=False):
         present = [(column, name) for column, name in panel.curves if column in table]

@@ -49,7 +49,6 @@ ADDED = {
         "render: {camera: {position: [0, -1, 3], target: [0, 0, 0]}}",
         "the camera begins below the ground",
     ),
-    "no Blender": ("render: {blender: /none/blender}", "render.blender: there is no Blender at /none/blender"),
 }
 
 
@@ -58,6 +57,12 @@ def test_a_section_that_is_not_as_it_was_meant(bench, scene, case):
     line, words = ADDED[case]
     said = bench.accepts(scene(more=line))
     assert "\n  warning: line " in said and words in said, said
+
+
+def test_a_blender_that_is_not_there(bench, scene, monkeypatch):
+    monkeypatch.setenv("TIDEMILL_BLENDER", "/none/blender")
+    said = bench.accepts(scene())
+    assert "warning: there is no Blender at /none/blender on this machine, which TIDEMILL_BLENDER names" in said
 
 
 IN_THE_BALL = LATE.replace("[0, 2, 0]", "[0, 0.3, 0], motion: dynamic")
