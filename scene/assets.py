@@ -14,6 +14,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from common.distribution import HOME
 from scene.diagnostics.suggestions import similar
 from scene.settings import Refused
 
@@ -73,7 +74,7 @@ def digest(path: Path) -> str:
 _HOW_TO_NAME = "Give a path relative to the scene file, or PACKAGE:PATH for a file of an installed package"
 SHELF = "scenes"
 """Scenes that share a folder of this name, in it or further below, share their files."""
-_OWN = Path(__file__).parents[1] / SHELF
+_OWN = HOME / SHELF
 """The folder of the scenes that Tidemill brings."""
 
 

@@ -23,6 +23,7 @@ def render(arguments: Sequence[str], called: str) -> NoReturn:
     parser.add_argument("--quality", metavar="Q", help="draft, standard or final (default: the scene's)")
     parser.add_argument("--budget", metavar="TIME", help="the finest film that takes this long, such as 10min")
     parser.add_argument("--error", metavar="BOUND", help="the cheapest film within the error, such as 10%%")
+    _add_grants(parser)
     parser.add_argument("--keep", choices=("all", "film"), help="whether to keep the results that a film is made of")
     _make("renders", parser, arguments)
 
@@ -41,7 +42,13 @@ def wedge(arguments: Sequence[str], called: str) -> NoReturn:
     about = "Make a film for each combination of a scene's `wedge:`: wedges/NAME/ compares them."
     parser = _parser(called, about, "scene")
     parser.add_argument("--quality", metavar="Q", help="draft, standard or final (default: the scene's)")
+    _add_grants(parser)
     _make("wedges", parser, arguments)
+
+
+def _add_grants(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--blender", metavar="PATH", help="an installed Blender that renders, instead of the package's")
+    parser.add_argument("--allow", metavar="DIR", help="let scenes read files below this folder, too")
 
 
 def _parser(called: str, about: str, what: str) -> argparse.ArgumentParser:

@@ -73,6 +73,8 @@ def test_scenes_that_come_with_it_are_listed_anywhere(capsys, tmp_path, monkeypa
         (["render", "bunny"], ["renders/bunny"]),
         (["render", "a", "b", "-n", "-c", "2"], ["renders/a", "renders/b", "--dry-run", "--cores", "2"]),
         (["render", "a", "--quality", "draft"], ["renders/a", "--config", "quality=draft"]),
+        (["render", "a", "--blender", "/b c"], ["renders/a", "--config", "blender=/b c"]),
+        (["wedge", "a", "--allow", "/x"], ["wedges/a", "--config", "allow=/x"]),
         (["render", "a", "--error", "10%"], ["renders/a", "--config", "error=10%"]),
         (
             ["render", "a", "--keep", "film", "--", "--forcerun", "film"],
