@@ -10,7 +10,7 @@ from tidemill.doctor.finding import Finding, ok, warning, wrong
 from tidemill.doctor.trial import Trial, attempt
 
 KERNEL = """
-import taichi as ti
+from sim.device.compiler import ti
 ti.init(arch=ti.{arch}, log_level=ti.ERROR, offline_cache=False)
 if ti.lang.impl.current_cfg().arch != ti.{arch}:
     raise SystemExit("there is none")
