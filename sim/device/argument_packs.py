@@ -28,12 +28,15 @@ OWN_NAMES = {"taichi": (BY_PACK, NO_VARIABLE), "taichi_forge": (NO_VARIABLE,)}
 
 
 def argpack(**members: Any) -> Any:
-    """A kind of argument packs with these members: their types by name, which it has as `members`."""
+    """A kind of argument packs with these members: their types by name.
+
+    The kind has them as `members`, a pack of it has names and values as `items`, and `pack["name"]` is a value.
+    """
     if compiler.packs == "argpack":
         return ti.types.argpack(**members)
-    kind = make_dataclass("Pack", members.items(), frozen=True, eq=False)
-    kind.members = members  # type: ignore[attr-defined]
-    return kind
+    items = property(lambda pack: [(name, getattr(pack, name)) for name in members])
+    beside = {"members": members, "items": items, "__getitem__": lambda pack, name: getattr(pack, name)}
+    return make_dataclass("Pack", members.items(), namespace=beside, frozen=True, eq=False)
 
 
 @functools.cache
@@ -55,7 +58,9 @@ def _tell_apart() -> None:
     source = textwrap.dedent(inspect.getsource(transformer.build_FunctionDef))
     for old, new in OWN_NAMES[compiler.module]:
         if old not in source:
-            raise RuntimeError(f"this version of {compiler.package} declares argument packs in another way: it has no {old}")
+            raise RuntimeError(
+                f"this version of {compiler.package} declares argument packs in another way: it has no {old}"
+            )
         source = source.replace(old, new)
     found: dict[str, object] = {}
     exec(compile(source, ast_transformer.__file__, "exec"), vars(ast_transformer), found)

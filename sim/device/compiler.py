@@ -5,9 +5,7 @@ Raises Refused at import where the compiler that was chosen is not installed.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
-import io
 from typing import TYPE_CHECKING, Any
 
 from scene.settings import Refused
@@ -19,8 +17,7 @@ if TYPE_CHECKING:
     import taichi as ti
 else:
     try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            ti = importlib.import_module(compiler.module)
+        ti = importlib.import_module(compiler.module)
     except ModuleNotFoundError as error:
         if error.name != compiler.module:
             raise
