@@ -32,7 +32,7 @@ class Compiler:
 
 COMPILERS = {
     "taichi": Compiler("taichi", "taichi", "argpack", relaunch=True),
-    "taichi_forge": Compiler("taichi_forge", "taichi-forge", "argpack"),
+    "taichi_forge": Compiler("taichi_forge", "taichi-forge", "argpack", relaunch=True),
     "quadrants": Compiler("quadrants", "quadrants", "dataclass", compiled="materialized_kernels"),
 }
 
