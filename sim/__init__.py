@@ -2,7 +2,8 @@
 
 import os
 
-os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+for _compiler in ("TAICHI", "QUADRANTS"):
+    os.environ.setdefault(f"ENABLE_{_compiler}_HEADER_PRINT", "0")
 if "HOME" not in os.environ:
     # As for daemons and batch jobs: without it Taichi aborts when it is imported.
     _home = os.path.expanduser("~")

@@ -25,6 +25,7 @@ from common.signals import INTERRUPTED
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
 from sim.device import precision, runtime
+from sim.device.compiler_choice import chosen
 from sim.run.checkpoint import Checkpoint, state_name
 from sim.run.failure import Fault, Interrupted, Stopped, report
 from sim.run.output import Output
@@ -197,7 +198,7 @@ def _summary(run: Run, status: int, start_time: float, wall: float) -> dict[str,
     }
     return {
         "status": {DONE: "done", STOPPED: "stopped", INTERRUPTED: "interrupted"}[status],
-        "versions": {name: version(name) for name in ("tidemill", "taichi", "numpy") if _installed(name)},
+        "versions": {name: version(name) for name in ("tidemill", chosen().package, "numpy") if _installed(name)},
         "device": run.device,
         "modules": modules,
         "kernels": runtime.compiled_kernels(),

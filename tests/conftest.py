@@ -95,7 +95,7 @@ def taichi():
     from sim.device import runtime
 
     runtime.start(threads=1, arch="cpu")
-    import taichi as ti
+    from sim.device.compiler import ti
 
     return ti
 

@@ -8,7 +8,6 @@ displaced by as little, sums by two threads, and sums in the order in which they
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import runpy
 from collections.abc import Iterator
@@ -55,17 +54,16 @@ def segment() -> str:
 @contextlib.contextmanager
 def _started(options: dict[str, Any]) -> Iterator[None]:
     """Taichi starts with other options, now and not when it next has to."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        import taichi
     from sim.device import runtime
+    from sim.device.compiler import ti
 
     def anew() -> None:
         runtime._running = runtime._running and ("", 0)
 
-    init = taichi.init
+    init = ti.init
     anew()
     try:
-        with mock.patch.object(taichi, "init", lambda **given: init(**given | options)):
+        with mock.patch.object(ti, "init", lambda **given: init(**given | options)):
             yield
     finally:
         anew()

@@ -28,6 +28,7 @@ from common.stopwatch import Stopwatch
 from render.progress import Progress
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
+from sim.device.compiler_choice import chosen
 from sim.foam.spec import FoamJobSpec
 from workflow.plan.timeline import Frames
 from workflow.stages import stage
@@ -94,7 +95,7 @@ def run(
         print(f"foam: warning: {warning}")
     summary = {
         "status": "done",
-        "versions": {"taichi": version("taichi"), "numpy": np.__version__},
+        "versions": {name: version(name) for name in (chosen().package, "numpy")},
         "device": device,
         "threads": threads,
         "frames": rows,

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import taichi as ti
 
 from sim.device import precision
+from sim.device.compiler import ti
 
 real = ti.f64 if precision.chosen == "double" else ti.f32
 """The type of positions, velocities and all that follows from them."""

@@ -6,7 +6,7 @@ Constants in kernels have to be exact in single precision, and sums have to begi
 
 from typing import Any
 
-import taichi as ti
+from sim.device.compiler import ti
 
 vec2 = ti.types.vector(2, ti.f64)
 vec3: Any = ti.types.vector(3, ti.f64)

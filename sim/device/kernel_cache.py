@@ -15,9 +15,11 @@ def folder() -> str:
 
     Raises Refused.
     """
-    from taichi.lang import impl
+    from sim.device.compiler import compiler, ti
 
-    usual = os.environ.get("TI_OFFLINE_CACHE_FILE_PATH") or impl.default_cfg().offline_cache_file_path
+    usual = os.environ.get("TI_OFFLINE_CACHE_FILE_PATH") or ti.lang.impl.default_cfg().offline_cache_file_path
+    if compiler.module != "taichi":
+        usual += f"-{compiler.module}"
     try:
         try:
             os.makedirs(usual, exist_ok=True)

@@ -42,8 +42,9 @@ def forget() -> None:
 @functools.cache
 def install() -> None:
     """Launch calls of kernels from what is kept of them, from now on."""
-    from taichi.lang.kernel_impl import Kernel
+    from sim.device.compiler import ti
 
+    Kernel = ti.lang.kernel_impl.Kernel
     call = Kernel.__call__
 
     @functools.wraps(call)
@@ -109,10 +110,10 @@ def _numbers() -> tuple[type, ...]:
 def _held() -> tuple[type, ...]:
     """Types of arguments that stay where they are."""
     import numpy as np
-    from taichi.lang._ndarray import Ndarray
-    from taichi.lang.argpack import ArgPack
 
-    return Ndarray, ArgPack, np.ndarray
+    from sim.device.compiler import ti
+
+    return ti.Ndarray, ti.lang.argpack.ArgPack, np.ndarray
 
 
 def _lies_whole(arg: Any) -> bool:
@@ -123,29 +124,27 @@ def _lies_whole(arg: Any) -> bool:
 @functools.cache
 def _kinds(kernel: Any) -> tuple[int, ...] | None:
     """Of all arguments of a kernel; None where one of them is of another kind, or a pack in which there is a pack."""
-    from taichi.lang.argpack import ArgPackType
-    from taichi.lang.matrix import MatrixType
-    from taichi.types import ndarray_type, primitive_types
-    from taichi.types.annotations import template
-    from taichi.types.utils import is_signed
+    from sim.device.compiler import ti
 
+    ArgPackType = ti.lang.argpack.ArgPackType
+    reals, integers = ti.types.primitive_types.real_type_ids, ti.types.primitive_types.integer_type_ids
     found = []
     for argument in kernel.arguments:
         needed = argument.annotation
-        if isinstance(needed, template) or needed is template:
+        if isinstance(needed, ti.template) or needed is ti.template:
             found.append(TEMPLATE)
         elif isinstance(needed, ArgPackType):
             if any(isinstance(member, ArgPackType) for member in needed.members.values()):
                 return None
             found.append(PACK)
-        elif isinstance(needed, ndarray_type.NdarrayType):
+        elif isinstance(needed, ti.types.ndarray_type.NdarrayType):
             found.append(ARRAY)
-        elif isinstance(needed, MatrixType):
+        elif isinstance(needed, ti.lang.matrix.MatrixType):
             found.append(MATRIX)
-        elif id(needed) in primitive_types.real_type_ids:
+        elif id(needed) in reals:
             found.append(REAL)
-        elif id(needed) in primitive_types.integer_type_ids:
-            found.append(WHOLE if is_signed(needed) else NATURAL)
+        elif id(needed) in integers:
+            found.append(WHOLE if ti.types.utils.is_signed(needed) else NATURAL)
         else:
             return None
     return tuple(found)
@@ -153,9 +152,9 @@ def _kinds(kernel: Any) -> tuple[int, ...] | None:
 
 def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
     """What Taichi packs for a call that it has made already (`taichi.lang.kernel_impl.Kernel.launch_kernel`)."""
-    from taichi.lang import impl
+    from sim.device.compiler import ti
 
-    program = impl.get_runtime().prog
+    program = ti.lang.impl.get_runtime().prog
     compiled = kernel.compiled_kernels[kernel.ensure_compiled(*args)]
     context = compiled.make_launch_context()
     numbers, arrays, alive, place = [], [], [], 0
@@ -178,10 +177,15 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
             alive.append(weakref.ref(arg, lambda _: _packed.pop(key, None)))
     for offset, (array, needed) in enumerate(arrays):
         _point(program, context, (place + offset,), array, needed)
-    data = program.compile_kernel(program.config(), program.get_device_caps(), compiled)
-    return Packed(
-        functools.partial(program.launch_kernel, data, context), tuple(numbers), _teller(kernel, context), tuple(alive)
-    )
+    return Packed(_launcher(program, compiled, context), tuple(numbers), _teller(kernel, context), tuple(alive))
+
+
+def _launcher(program: Any, compiled: Any, context: Any) -> Callable[[], None]:
+    """Taichi Forge looks a kernel up and launches it in one."""
+    asked = program.config(), program.get_device_caps(), compiled
+    if hasattr(program, "compile_and_launch_kernel"):
+        return functools.partial(program.compile_and_launch_kernel, *asked, context)
+    return functools.partial(program.launch_kernel, program.compile_kernel(*asked), context)
 
 
 def _members(pack: Any) -> list[tuple[Any, Any]]:

@@ -9,7 +9,7 @@ import os
 import sys
 
 from common.registry import packages
-from sim.device import argument_packs, compilation, kernel_cache, launching, summation
+from sim.device import compilation, kernel_cache, launching, summation
 from sim.device.affinity import bound
 
 _running: tuple[str, int] | None = None
@@ -23,10 +23,11 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
     freed one by one, so what runs already is kept: starting anew would compile all kernels again.
     """
     global _running
-    with contextlib.redirect_stdout(io.StringIO()):
-        import taichi as ti
-        from taichi.lang.misc import is_arch_supported
+    from sim.device import argument_packs
+    from sim.device.compiler import compiler, ti
 
+    is_arch_supported = ti.lang.misc.is_arch_supported
+    with contextlib.redirect_stdout(io.StringIO()):
         ti.set_logging_level(ti.ERROR)
         if arch == "cuda" and not is_arch_supported(ti.cuda):
             from scene.settings import Refused
@@ -51,12 +52,13 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     offline_cache_cleaning_policy="lru",
                     log_level=ti.ERROR,
                 )
-            argument_packs.tell_apart()
+            argument_packs.amend()
             compilation.watch()
             launching.forget()
             if device == "cpu":
                 summation.keep_order()
-                launching.install()
+                if compiler.relaunch:
+                    launching.install()
             _running = wanted
     return device
 
@@ -66,25 +68,27 @@ def _disown() -> None:
 
     Taichi frees arrays by address, and what lies at that address by then may be another's.
     """
-    from taichi.lang._ndarray import Ndarray
-    from taichi.lang.argpack import ArgPack
+    from sim.device.compiler import compiler, ti
 
+    pack = () if compiler.packs == "dataclass" else ti.lang.argpack.ArgPack
     gc.collect()
     for held in gc.get_objects():
-        if issubclass(type(held), Ndarray):
+        if issubclass(type(held), ti.Ndarray):
             held.arr = None
-        elif issubclass(type(held), ArgPack):
+        elif issubclass(type(held), pack):
             held._ArgPack__argpack = None
 
 
 def compiled_kernels() -> list[str]:
     """The kernels of this project, and of what packages add to it, that this process has compiled or taken from the
     cache, as `module.function`."""
+    from sim.device.compiler import compiled
+
     found = []
     ours = ("sim.", *(f"{package}." for package in packages()))
     for module in [module for name, module in sys.modules.items() if name.startswith(ours)]:
         for value in vars(module).values():
             kernel = getattr(value, "_primal", None)
-            if kernel is not None and kernel.compiled_kernels and value.__module__ == module.__name__:
+            if kernel is not None and compiled(kernel) and value.__module__ == module.__name__:
                 found.append(f"{value.__module__}.{value.__name__}")
     return sorted(found)

@@ -16,16 +16,16 @@ AS_WRITTEN = ("sim.cloth.",)
 @functools.cache
 def keep_order() -> None:
     """Compile kernels of these modules without fast_math, from now on."""
-    from taichi.lang.impl import current_cfg
-    from taichi.lang.kernel_impl import Kernel
+    from sim.device.compiler import ti
 
+    Kernel = ti.lang.kernel_impl.Kernel
     call = Kernel.__call__
 
     @functools.wraps(call)
     def called(kernel: Kernel, *args: object, **options: object) -> object:
         if not kernel.func.__module__.startswith(AS_WRITTEN):
             return call(kernel, *args, **options)
-        config = current_cfg()
+        config = ti.lang.impl.current_cfg()
         chosen, config.fast_math = config.fast_math, False
         try:
             return call(kernel, *args, **options)

@@ -7,9 +7,9 @@ W(r) = 8 / (pi h^3) * (1 - 6 q^2 + 6 q^3) for q = r / h < 1/2, 2 (1 - q)^3 up to
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import real
+from sim.device.compiler import ti
 
 SIGMA = 8.0 / math.pi
 """W h^3 is this times the spline, in three dimensions."""

@@ -3,8 +3,7 @@ vectors."""
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import DoubleTable, IntArray, IntTable, RealArray, Vec4Array, real, vec2, vec4
 
 Q = 3
@@ -16,17 +15,17 @@ DISTANCE = 3
 VOLUME = 3
 """Of a sample of a sheet: weighted volume [m^3]; the others are its place."""
 
-Resolution: Any = ti.types.argpack(h=real, spacing=real, mass=real, rest_density=real)
+Resolution: Any = argpack(h=real, spacing=real, mass=real, rest_density=real)
 """Support radius and spacing [m], mass of a particle [kg], and density of the fluid at rest [kg/m^3]."""
 
-Points: Any = ti.types.argpack(position=Vec4Array, velocity=Vec4Array, slack=RealArray, eased=RealArray)
+Points: Any = argpack(position=Vec4Array, velocity=Vec4Array, slack=RealArray, eased=RealArray)
 """Positions [m] and velocities [m/s]; in gaps (`sim.fluid.boundary.gaps`) slack [m], and the share of the rest density
 that does not press yet."""
 
-Samples: Any = ti.types.argpack(sample=Vec4Array, velocity=Vec4Array, size=IntArray, index=IntTable)
+Samples: Any = argpack(sample=Vec4Array, velocity=Vec4Array, size=IntArray, index=IntTable)
 """Samples of sheets and their velocities [m/s]; of each particle, how many are near, and which."""
 
-Solids: Any = ti.types.argpack(
+Solids: Any = argpack(
     shift=vec2,
     pose=DoubleTable,
     boxes=DoubleTable,
@@ -46,7 +45,7 @@ half sizes [m], and -1 for what has the fluid inside; whether it obeys no forces
 Of meshes: low corner and cell of the band [m], first entry of its table of blocks and their number along each axis; of
 all, the blocks, and half-space and curvature that each node sees. shift: `calibration.curvature_shift`."""
 
-Walls: Any = ti.types.argpack(
+Walls: Any = argpack(
     spacing=real,
     fit=vec4,
     begin=IntArray,

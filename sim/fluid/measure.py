@@ -5,16 +5,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from sim.device.argument_packs import argpack
 from sim.device.arrays import DoubleTable, IntArray, Particles, Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.fluid.layout import DENSITY, DISTANCE, Q, Resolution, Walls
 from sim.fluid.spec import Fluid
 from sim.fluid.sums import BLOCKS, span
 
-Moving: Any = ti.types.argpack(position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array)
+Moving: Any = argpack(position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array)
 
 ROW = 21
 """Numbers of a block of particles that a measure is made of."""

@@ -3,8 +3,8 @@
 from typing import Protocol
 
 import numpy as np
-import taichi as ti
 
+from sim.device.compiler import ti
 from sim.fluid.forces.terms import Terms
 
 

@@ -1,8 +1,7 @@
 """Sums over ranges of particles, in a fixed order: they do not depend on threads."""
 
-import taichi as ti
-
 from sim.device.arrays import DoubleTable
+from sim.device.compiler import ti
 
 BLOCKS = 256
 """Into so many ranges particles are divided where one level of sums is enough."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import numpy_real, real, vec4
+from sim.device.compiler import ti
 from sim.foam.sums import potentials, surface_normals, surroundings
 from sim.neighbors.spatial_hash import HashGrid, NeighborList
 

@@ -2,9 +2,8 @@
 
 import math
 
-import taichi as ti
-
 from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.kernel import cubic, cubic_slope
 
 SURFACE = 0.7

@@ -5,8 +5,8 @@ primitive is in which leaf is decided once, by where it is then (Morton 1966); b
 """
 
 import numpy as np
-import taichi as ti
 
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Vectors, vec3
 
 FAR = 1e30

@@ -9,9 +9,9 @@ the fine division along x lets a search skip the ends of the rows that its spher
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
+from sim.device.compiler import ti
 
 SLICES = 4
 """Cells along x in one search radius."""
@@ -23,7 +23,7 @@ ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
 SLACK = 1e-3
 """Share of the radius by which the reach along a row is too long rather than too short, for rounding."""
 
-Neighbors: Any = ti.types.argpack(size=IntArray, index=IntTable)
+Neighbors: Any = argpack(size=IntArray, index=IntTable)
 """Of each particle, how many neighbours are listed, and which."""
 
 

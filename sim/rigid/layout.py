@@ -6,11 +6,10 @@ finds arrays by the name of the member alone.
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.double import Integers, Matrices, Numbers, Quaternions, Vectors
 
-Motion: Any = ti.types.argpack(
+Motion: Any = argpack(
     position=Vectors,
     rotation=Quaternions,
     velocity=Vectors,
@@ -23,7 +22,7 @@ Motion: Any = ti.types.argpack(
 [kg m^2/s]; inverse mass [1/kg] and inverse inertia about the centre in world axes [1/(kg m^2)], zero of bodies that
 nothing moves."""
 
-BodyProperties: Any = ti.types.argpack(
+BodyProperties: Any = argpack(
     dynamic=Integers,
     fluid_driven=Integers,
     velocity_lag=Numbers,
@@ -34,11 +33,11 @@ BodyProperties: Any = ti.types.argpack(
 how much velocities and momenta are those of an earlier time [s]; mass [kg], and inverse inertia in the bodies' own axes
 [1/(kg m^2)]."""
 
-Loads: Any = ti.types.argpack(force=Vectors, torque=Vectors, fluid_force=Vectors, fluid_torque=Vectors)
+Loads: Any = argpack(force=Vectors, torque=Vectors, fluid_force=Vectors, fluid_torque=Vectors)
 """On bodies, about their centres of mass, but for gravity and contacts: forces [N] and torques [N m], and those of the
 fluid."""
 
-StepVelocities: Any = ti.types.argpack(
+StepVelocities: Any = argpack(
     old_velocity=Vectors,
     old_spin=Vectors,
     free_velocity=Vectors,
@@ -47,11 +46,11 @@ StepVelocities: Any = ti.types.argpack(
 )
 """Of bodies [m/s] and [rad/s]: before a step, at its end if nothing were met, and in its middle."""
 
-Pairs: Any = ti.types.argpack(pair_body=Integers, number=Integers, first=Integers, surface=Numbers, scale=Numbers)
+Pairs: Any = argpack(pair_body=Integers, number=Integers, first=Integers, surface=Numbers, scale=Numbers)
 """Pairs of bodies that are near: both bodies; how many contacts each has, and which is the first; coefficients of
 friction while sliding and at rest, and the restitution; size of the smaller body [m]."""
 
-Contacts: Any = ti.types.argpack(
+Contacts: Any = argpack(
     body=Integers,
     place=Vectors,
     normal=Vectors,
@@ -71,11 +70,11 @@ across, and the least one along the normal [m/s], coefficients of friction while
 normal and across [N s], and their effective masses [kg]; what the last sweep added to the impulses and the direction in
 which they go on [N s]."""
 
-PreviousContacts: Any = ti.types.argpack(first_previous=Integers, previous_place=Vectors, previous_force=Vectors)
+PreviousContacts: Any = argpack(first_previous=Integers, previous_place=Vectors, previous_force=Vectors)
 """Contacts of the step before: of each pair of now where its own begin and end; places in the first bodies' axes, from
 their centres of mass [m], and forces on the first bodies [N]."""
 
-Bounces: Any = ti.types.argpack(
+Bounces: Any = argpack(
     restitution=Numbers,
     extra=Numbers,
     slow=Numbers,

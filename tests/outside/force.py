@@ -1,8 +1,7 @@
 """An acceleration that is the same everywhere."""
 
-import taichi as ti
-
 from sim.device.arrays import Vec4Array, vec3
+from sim.device.compiler import ti
 from sim.fluid.forces.force import Force
 
 

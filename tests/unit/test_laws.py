@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import networkx
 import pytest
 
+from sim.device.compiler_choice import COMPILERS
 from tests.support.imports import PACKAGES, ROOT, graph, imports, modules
 
 MOST = 15
@@ -80,6 +83,14 @@ def test_packages_from_elsewhere(package, foreign):
     found = {name.partition(".")[0] for module in modules() if below(module, package) for name in imports(module)}
     assert "pathlib" in found
     assert not found & foreign
+
+
+def test_all_take_the_compiler_from_one_place():
+    """Of tests, too; strings count where they are imported."""
+    paths = {path for folder in (*PACKAGES, "tests") for path in (ROOT / folder).rglob("*.py")}
+    named = re.compile(rf"^\s*(?:from|import) +(?:{'|'.join(COMPILERS)})\b", re.MULTILINE)
+    found = {path.relative_to(ROOT).as_posix() for path in paths if named.search(path.read_text())}
+    assert found == {"sim/device/compiler.py"}
 
 
 def test_nothing_imports_itself_in_a_circle():

@@ -83,9 +83,9 @@ def test_cloth_and_bodies_begin_elsewhere_but_for_what_is_held():
 
 
 def test_taichi_starts_without_fast_math_or_with_two_threads(taichi):
-    from taichi.lang.impl import current_cfg
-
     from sim.device import runtime
+
+    current_cfg = taichi.lang.impl.current_cfg
 
     def told(variant: str | None) -> tuple[bool, int]:
         with under(variant):

@@ -75,9 +75,8 @@ def test_air_is_trapped_by_what_approaches(field, expected):
 def test_normals_point_out_of_the_fluid():
     """At a plane surface the gradient of the colour field is 1.4 / h, within the fluid it is none. The outermost layer
     of a lattice lies half a spacing, h / 4, below the surface, where the integral over the plane has fallen to 0.75."""
-    import taichi as ti
-
     from sim.device.arrays import vec4
+    from sim.device.compiler import ti
     from sim.foam.sums import surface_normals
     from sim.neighbors.spatial_hash import NeighborList
 

@@ -6,11 +6,12 @@ import json
 import tempfile
 from pathlib import Path
 
+from sim.device.compiler_choice import chosen
 from tidemill.doctor.finding import Finding, ok, warning, wrong
 from tidemill.doctor.trial import Trial, attempt
 
 KERNEL = """
-import taichi as ti
+import {compiler} as ti
 ti.init(arch=ti.{arch}, log_level=ti.ERROR, offline_cache=False)
 if ti.lang.impl.current_cfg().arch != ti.{arch}:
     raise SystemExit("there is none")
@@ -33,7 +34,7 @@ def simulation() -> Finding:
     """Taichi, on the processors."""
     trial = _kernel("cpu")
     if trial.reason:
-        return wrong("simulation", f"Taichi cannot compile: {trial.reason}", REINSTALL + "taichi")
+        return wrong("simulation", f"Taichi cannot compile: {trial.reason}", REINSTALL + chosen().package)
     return ok("simulation", f"Taichi compiles and runs a kernel, in {trial.seconds:.1f} s")
 
 
@@ -48,7 +49,7 @@ def gpu() -> Finding:
 def _kernel(arch: str) -> Trial:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "kernel.py")
-        file.write_text(KERNEL.format(arch=arch))
+        file.write_text(KERNEL.format(compiler=chosen().module, arch=arch))
         return attempt([file])
 
 

@@ -20,6 +20,7 @@ from scene import assets
 from scene.load import Scene
 from scene.settings import canonical_json
 from sim.bodies.wall import Wall
+from sim.device import compiler_choice
 from sim.foam.spec import FoamJobSpec
 from sim.spec import SimulationSpec
 from workflow.plan import additions, sources
@@ -123,13 +124,14 @@ class Plan:
 
     def _simulation(self, folder: str, frames: Frames, upstream: tuple[str, ...] = ()) -> Job:
         spec = self.scene.simulation.before(self.timeline.time(frames.last))
+        compiler = compiler_choice.chosen().package
         return Job(
             stage="simulate",
             folder=folder,
             frames=frames,
             spec=spec.canonical(),
             code=self._code("simulate", spec.materials()),
-            versions=versions("taichi", "numpy", *(("trimesh", "pymeshfix", "manifold3d") if _files(spec) else ())),
+            versions=versions(compiler, "numpy", *(("trimesh", "pymeshfix", "manifold3d") if _files(spec) else ())),
             assets=_assets(self.scene.assets, _files(spec)),
             upstream=upstream,
         )
@@ -173,7 +175,7 @@ class Plan:
             frames=self.timeline.segment(index),
             spec=spec.canonical(),
             code=self._code("foam", frozenset({"fluid"})),
-            versions=versions("taichi", "numpy", "scipy", "trimesh"),
+            versions=versions(compiler_choice.chosen().package, "numpy", "scipy", "trimesh"),
             assets=_assets({}, set()),
             upstream=(self.job("simulate", index).plan, *((self.job("foam", index - 1).plan,) if index else ())),
         )

@@ -6,9 +6,8 @@ rests, rests without a gap below zero and without creeping, whatever k is: Signo
 of that follows from one energy, as the normal force that bounds friction lags behind (`update_lagged_forces`).
 """
 
-import taichi as ti
-
 from sim.cloth.fabric.layout import KINETIC, LAGGED, LIMIT, STATIC, Contacts, CoupledBodies
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors, vec3
 
 NOTHING = 1e-30

@@ -8,7 +8,6 @@ nothing is new, or it was asked often enough, `hold_back` lets points go so far 
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact import augmented_lagrangian
 from sim.cloth.contact.contact_set import ContactSet, among
@@ -21,6 +20,7 @@ from sim.cloth.contact.impact_zones import ImpactZones
 from sim.cloth.contact.solids import Wall
 from sim.cloth.fabric.layout import Contacts, ProjectedContacts
 from sim.cloth.fabric.mesh import ClothMesh
+from sim.device.compiler import ti
 
 NEAR = 1.2
 """Contacts are forgotten from this many thicknesses on."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.contact_set import ContactSet
 from sim.cloth.contact.dynamic_solids import Meetings
 from sim.cloth.fabric.arrays import filled, incidence, integers, numbers, vectors
 from sim.cloth.fabric.layout import Contacts, ProjectedContacts
+from sim.device.compiler import ti
 
 ROOM = 64
 """Contacts that there is room for at first."""

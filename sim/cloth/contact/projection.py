@@ -6,10 +6,9 @@ its contacts, or that would not converge (Tonge et al. 2012). It begins with the
 small step before.
 """
 
-import taichi as ti
-
 from sim.cloth.contact.augmented_lagrangian import NOTHING
 from sim.cloth.fabric.layout import ACTIVE, KINETIC, LEAST, LIMIT, STATIC
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 

@@ -1,7 +1,5 @@
 """Contacts of small steps, by the method of `projection`, on all threads or where bodies give way to the cloth."""
 
-import taichi as ti
-
 from sim.cloth.contact.augmented_lagrangian import body_displacement, on_body
 from sim.cloth.contact.projection import (
     add_mean_force,
@@ -14,6 +12,7 @@ from sim.cloth.contact.projection import (
     warm_start,
 )
 from sim.cloth.fabric.layout import ACTIVE, CoupledBodies, Points, ProjectedContacts, StepMotion
+from sim.device.compiler import ti
 from sim.device.double import cross_matrix
 
 

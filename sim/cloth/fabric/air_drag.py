@@ -5,9 +5,8 @@ the skin friction and the rest of the velocity. Both are linear in the velocity 
 its begin, so that no step is too long for them.
 """
 
-import taichi as ti
-
 from sim.cloth.fabric.layout import Drag, Points
+from sim.device.compiler import ti
 from sim.device.double import Integers, mat3, vec3
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Points, Springs
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 

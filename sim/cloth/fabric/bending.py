@@ -2,8 +2,7 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 FLAT = 1e-12

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import taichi as ti
-
 from sim.cloth.fabric import energy_sums
 from sim.cloth.fabric.layout import PARTITIONS
 from sim.cloth.fabric.mesh import ClothMesh
+from sim.device.compiler import ti
 
 
 @dataclass(frozen=True)

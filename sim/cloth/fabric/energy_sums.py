@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.fabric.bending import fold, turned
 from sim.cloth.fabric.layout import PARTITIONS, MassSpring
+from sim.device.compiler import ti
 
 vec5: Any = ti.types.vector(5, ti.f64)
 Partitions: Any = ti.types.ndarray(dtype=vec5, ndim=1)

@@ -4,8 +4,8 @@ Members have names of their own in all packs that one kernel takes, and none of 
 finds arrays by the name of the member alone.
 """
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Integers, Matrices, Numbers, Vectors, vec3, vec4
 
 PARTITIONS = 256
@@ -13,10 +13,10 @@ PARTITIONS = 256
 
 Weights = ti.types.ndarray(dtype=vec4, ndim=1)
 
-Points = ti.types.argpack(position=Vectors, velocity=Vectors, mass=Numbers, mobile=Integers)
+Points = argpack(position=Vectors, velocity=Vectors, mass=Numbers, mobile=Integers)
 """Positions [m], velocities [m/s], masses [kg], and whether a point is free or goes where its pin takes it."""
 
-Springs = ti.types.argpack(
+Springs = argpack(
     spring_ends=Integers,
     rest_length=Numbers,
     spring_stiffness=Numbers,
@@ -27,7 +27,7 @@ Springs = ti.types.argpack(
 """Both ends, lengths at rest [m], stiffness [N/m], damping [N s/m]; and the springs of each point, as 2 spring + end
 from first_spring[i] to first_spring[i + 1]."""
 
-Hinges = ti.types.argpack(
+Hinges = argpack(
     hinge_points=Integers,
     rest_angle=Numbers,
     rigidity=Numbers,
@@ -38,10 +38,10 @@ Hinges = ti.types.argpack(
 """Four points, angles at rest [rad], rigidity [N m] and damping [N m s]; and the hinges of each point, as 4 hinge +
 corner."""
 
-Drag = ti.types.argpack(cloth_normal=Vectors, drag_across=Numbers, drag_along=Numbers)
+Drag = argpack(cloth_normal=Vectors, drag_across=Numbers, drag_along=Numbers)
 """Of points: the cloth's normals, and drag of the air across and along it [kg/s]."""
 
-MassSpring = ti.types.argpack(
+MassSpring = argpack(
     point_count=ti.i32,
     spring_count=ti.i32,
     hinge_count=ti.i32,
@@ -55,7 +55,7 @@ MassSpring = ti.types.argpack(
 """The whole model of a cloth: points, springs, hinges and the drag of the air in one; gravity [m/s^2] and the wind
 [m/s]."""
 
-BlockMatrix = ti.types.argpack(
+BlockMatrix = argpack(
     first_block=Integers,
     column=Integers,
     first_element=Integers,
@@ -75,7 +75,7 @@ LIMIT, KINETIC, STATIC, LAGGED = range(4)
 coefficients of friction while sliding and at rest, and the normal force by which friction is bounded [N], which lags
 behind the one that is looked for."""
 
-Contacts = ti.types.argpack(
+Contacts = argpack(
     corner=Integers,
     weight=Weights,
     body=Integers,
@@ -105,7 +105,7 @@ run; and the contacts of each point, as 4 contact + corner."""
 ACTIVE, LEAST = range(2)
 """What stands in `active_limit` of a contact: 1 if it takes part in a small step, else 0, and its limit then [m]."""
 
-ProjectedContacts = ti.types.argpack(
+ProjectedContacts = argpack(
     **{
         name: Contacts.members[name]
         for name in ("corner", "weight", "body", "body_weight", "body_arm", "normal", "law", "normal_force")
@@ -121,7 +121,7 @@ ProjectedContacts = ti.types.argpack(
 """The same contacts in small steps, in which forces are found by projection: whether each takes part, and its limit
 [m]; where the first side was from the other before the small step [m]; and by what the force changes [N]."""
 
-CoupledBodies = ti.types.argpack(
+CoupledBodies = argpack(
     body_inertia=Matrices,
     body_displacement=Vectors,
     body_base=Vectors,
@@ -134,7 +134,7 @@ CoupledBodies = ti.types.argpack(
 displacements tried, tried before, and predicted, without what is looked for. And the contacts of each body, as 2
 contact + side, from first_body_contact[b] to first_body_contact[b + 1]."""
 
-StepMotion = ti.types.argpack(
+StepMotion = argpack(
     start=Vectors,
     before=Vectors,
     target=Vectors,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.fabric.air_drag import find_drag
 from sim.cloth.fabric.arrays import (
@@ -19,6 +18,7 @@ from sim.cloth.fabric.arrays import (
 from sim.cloth.fabric.fabric import Fabric
 from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Springs
 from sim.cloth.spec import Air, ClothSheet
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 ALONE = 4000

@@ -1,8 +1,7 @@
 """Sums on the device in a fixed order, whatever the number of threads."""
 
-import taichi as ti
-
 from sim.cloth.fabric.layout import PARTITIONS
+from sim.device.compiler import ti
 
 
 @ti.func

@@ -1,7 +1,6 @@
 """Where held points are to be."""
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Integers, Vectors
 
 

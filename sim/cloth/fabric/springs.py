@@ -1,7 +1,6 @@
 """One spring between two mass points, with a damper beside it."""
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 SHORT = 1e-12

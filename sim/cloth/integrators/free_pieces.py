@@ -8,11 +8,11 @@ falls goes exactly as far as it should when as a whole it goes with the mean of 
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.contact_set import ContactSet
 from sim.cloth.contact.detection.search import PLANE
 from sim.cloth.fabric.mesh import ClothMesh
+from sim.device.compiler import ti
 from sim.free_fall import OTHERS
 from sim.geometry.components import groups
 

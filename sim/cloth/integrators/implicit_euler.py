@@ -9,7 +9,6 @@ has stopped.
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.collision import Collisions
 from sim.cloth.fabric.arrays import integers, numbers
@@ -20,6 +19,7 @@ from sim.cloth.integrators.free_pieces import FreePieces
 from sim.cloth.integrators.newton import trial as trials
 from sim.cloth.integrators.newton.solver import Newton
 from sim.cloth.spec import Cloth
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 INERTIAS = 16.0

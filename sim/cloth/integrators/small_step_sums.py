@@ -1,8 +1,7 @@
 """How a step of many small ones begins, and begins again: where points and bodies were, and are to be."""
 
-import taichi as ti
-
 from sim.cloth.fabric.layout import CoupledBodies, Points, ProjectedContacts, StepMotion
+from sim.device.compiler import ti
 from sim.device.double import Vectors, vec3
 
 

@@ -2,16 +2,16 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.projection import project_alone
 from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.bending import fold, turned
 from sim.cloth.fabric.layout import MassSpring, ProjectedContacts, StepMotion
 from sim.cloth.fabric.springs import line
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors
 
-ElementForces: Any = ti.types.argpack(
+ElementForces: Any = argpack(
     tension=Vectors,
     moment=Numbers,
     angle_gradient=Vectors,

@@ -2,16 +2,16 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.projection import mobility, project_alone
 from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.bending import fold, turned
 from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Points, ProjectedContacts, Springs, StepMotion
 from sim.cloth.fabric.springs import line
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Numbers, vec3
 
-Multipliers: Any = ti.types.argpack(spring_multiplier=Numbers, hinge_multiplier=Numbers)
+Multipliers: Any = argpack(spring_multiplier=Numbers, hinge_multiplier=Numbers)
 """Multipliers of springs and hinges."""
 
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.fabric.arrays import incidence, integers, numbers, vectors
 from sim.coupling.fluid_cloth import sheet_sums
+from sim.device.compiler import ti
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.boundary.one_sided_samples import OneSidedSamples
 from sim.fluid.forces.terms import BY_SOLIDS, Terms

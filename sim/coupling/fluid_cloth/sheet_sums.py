@@ -2,9 +2,9 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Vectors
 from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.half_space import along_faces
@@ -15,7 +15,7 @@ from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.layout import DENSITY, VOLUME, Q, Resolution, Samples, Walls
 from sim.neighbors.spatial_hash import Neighbors
 
-Sheets: Any = ti.types.argpack(corners=Integers, weights=Vectors, share=Numbers, here=Vec4Array, facing=Vec4Array)
+Sheets: Any = argpack(corners=Integers, weights=Vectors, share=Numbers, here=Vec4Array, facing=Vec4Array)
 """Of samples of sheets: the corners of their triangle and their barycentric weights, their share of its area, negative
 on its back; place and volume; unit normal towards the fluid that it is for, and offset of the sheet along it [m]."""
 

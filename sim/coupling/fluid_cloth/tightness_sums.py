@@ -2,11 +2,11 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.detection.ccd import time_of_nearness
 from sim.cloth.contact.detection.proximity import point_triangle
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, real
+from sim.device.compiler import ti
 from sim.device.double import Integers, Vectors, vec3
 from sim.neighbors.box_tree import meet, next_node
 
@@ -15,10 +15,10 @@ ROUNDS = 8
 NEARER = 0.5
 """Of the distance that a particle has from a triangle at the start of a step, this share is kept."""
 
-Triangles: Any = ti.types.argpack(member=Integers, low=Vectors, high=Vectors)
+Triangles: Any = argpack(member=Integers, low=Vectors, high=Vectors)
 """The corners of each, and the boxes of the tree of them (`sim.neighbors.box_tree`)."""
 
-Hits: Any = ti.types.argpack(struck=Integers, weight=Vectors)
+Hits: Any = argpack(struck=Integers, weight=Vectors)
 """The triangle that each particle has struck, and the barycentric weights of the place."""
 
 

@@ -16,7 +16,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import taichi as ti
 import trimesh
 
 from sim.cloth.contact.dynamic_solids import Bodies
@@ -27,6 +26,7 @@ from sim.coupling.fluid_cloth import wet_cloth_sums
 from sim.coupling.fluid_cloth.sheet_samples import Pattern, SheetReaction, SheetSamples, find_cuts
 from sim.coupling.fluid_cloth.tightness import Tightness
 from sim.coupling.fluid_rigid.reaction_sums import subtract_predicted
+from sim.device.compiler import ti
 from sim.fluid.forces.terms import Terms
 from sim.fluid.spec import Fluid
 from sim.fluid.system import FluidSystem

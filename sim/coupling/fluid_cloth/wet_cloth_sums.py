@@ -1,8 +1,7 @@
 """What `sim.coupling.fluid_cloth.wet_cloth` does to all points of a cloth, on the device."""
 
-import taichi as ti
-
 from sim.cloth.fabric.layout import Points
+from sim.device.compiler import ti
 from sim.device.double import Vectors
 
 

@@ -16,12 +16,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import taichi as ti
 import trimesh
 from scipy.spatial import cKDTree
 
 from sim.coupling.fluid_rigid.lubrication_sums import Elements, add_response_at_rims, place, press, press_rims
 from sim.device.arrays import integer_array, numpy_real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import WIDE
 from sim.fluid.boundary.shapes import MOTION

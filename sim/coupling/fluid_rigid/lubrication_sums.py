@@ -2,9 +2,9 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import DoubleTable, IntArray, IntTable, Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import facing, openness
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import Q, Resolution, Walls
@@ -16,7 +16,7 @@ CLOSED, ENTERED = 1.8, 2.0
 """Spacings between two solids up to which what no particles cover is a film, and from which it is a void. Particles
 come into a gap once it is a spacing wide, and not at once: as a void, it stopped what came up from the ground."""
 
-Elements: Any = ti.types.argpack(
+Elements: Any = argpack(
     arms=Vec4Array,
     areas=Vec4Array,
     body=IntArray,

@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import taichi as ti
 
 from sim.coupling.fluid_rigid import reaction_sums
 from sim.coupling.fluid_rigid.reaction_sums import PARTS, RANGES, BodySums
 from sim.device.arrays import GROWTH, integer_array
+from sim.device.compiler import ti
 from sim.fluid.forces.pairwise import Lens
 from sim.fluid.forces.terms import BY_SOLIDS, WALL_FRICTION, Terms
 

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import DoubleTable, IntArray, RealArray, Vec4Array, real, vec3, vector
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_space import along_face
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.adhesion import face_adhesion
@@ -25,7 +25,7 @@ RANGES = 64
 
 vec6d: Any = ti.types.vector(6, ti.f64)
 
-BodySums: Any = ti.types.argpack(
+BodySums: Any = argpack(
     body_of=IntArray,
     ends=IntArray,
     order=IntArray,

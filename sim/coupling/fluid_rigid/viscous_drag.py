@@ -9,10 +9,10 @@ and positive definite: however light a body and however thick the fluid, there i
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.coupling.fluid_rigid import viscous_drag_sums
 from sim.coupling.fluid_rigid.reaction import Reaction
+from sim.device.compiler import ti
 from sim.fluid.forces.body_unknowns import CENTRE, CHANGE, COLUMNS, IMAGE, INERTIA, INVERSE, MASS, RESIDUAL, SEARCH
 from sim.fluid.system import FluidSystem
 

@@ -1,9 +1,8 @@
 """The sums of `sim.coupling.fluid_rigid.viscous_drag` on the device."""
 
-import taichi as ti
-
 from sim.coupling.fluid_rigid.reaction_sums import PARTS, BodySums, gather, keep, part_of, wrench_of
 from sim.device.arrays import DoubleTable, Vec4Array, real, vec3, vector
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import (
     CENTRE,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import numpy_real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.shapes import Shapes
 from sim.fluid.layout import Samples

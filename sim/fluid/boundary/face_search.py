@@ -1,8 +1,7 @@
 """Which solids are near which particles: sought for groups of particles first."""
 
-import taichi as ti
-
 from sim.device.arrays import IntArray, Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_spaces.nearest import FAR, half_spaces
 from sim.fluid.boundary.half_spaces.pose import to_local
 from sim.fluid.layout import Solids, Walls

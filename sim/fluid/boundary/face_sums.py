@@ -1,8 +1,7 @@
 """What `sim.fluid.boundary.faces` does on the device."""
 
-import taichi as ti
-
 from sim.device.arrays import RealArray, Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import (
     INCLINED,
     allowed_excess,

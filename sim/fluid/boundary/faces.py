@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import GROWTH, numpy_real, real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary import face_search, face_sums
 from sim.fluid.boundary.face_search import GROUP
 from sim.fluid.boundary.half_space import half_space_fit

@@ -9,9 +9,8 @@ faster, the shorter that is.
 Functions of several half-spaces take them as `sim.fluid.boundary.faces` lists them, from `first` to before `last`.
 """
 
-import taichi as ti
-
 from sim.device.arrays import real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.layout import DISTANCE
 from sim.geometry.distance.narrow_band import OPPOSITE

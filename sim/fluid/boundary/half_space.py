@@ -6,9 +6,9 @@ particle i those from begin[i] on, size[i] of them, with unit normal and distanc
 """
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import mat3, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.calibration import calibrate_wall
 from sim.fluid.kernel import halfspace_area, halfspace_volume
 from sim.fluid.layout import DISTANCE

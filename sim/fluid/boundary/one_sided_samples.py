@@ -3,9 +3,9 @@
 from abc import ABC, abstractmethod
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import IntArray, Vec4Array, numpy_real, vec4
+from sim.device.compiler import ti
 from sim.neighbors.spatial_hash import HashGrid, NeighborList, Neighbors
 
 

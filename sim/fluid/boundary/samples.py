@@ -1,8 +1,7 @@
 """What samples of sheets add to the density of a particle, and how hard it is pressed against them."""
 
-import taichi as ti
-
 from sim.device.arrays import Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.kernel import cubic, cubic_norm, cubic_slope, slope_norm
 from sim.fluid.layout import VOLUME
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import integer_array, numpy_real, real, vec2, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.calibration import curvature_shift
 from sim.fluid.layout import Solids
 from sim.geometry.distance.narrow_band import BLOCK, NarrowBand

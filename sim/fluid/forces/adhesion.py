@@ -8,9 +8,9 @@ W = rho0 int_0^h y a(y) dy. A drop meets the surface at the angle theta of W = s
 """
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.boundary.calibration import SAMPLE_DEPTH, sample_volume, sample_weight
 from sim.fluid.forces.force import ForceBySolids
 from sim.fluid.layout import DISTANCE, VOLUME, Samples, Walls

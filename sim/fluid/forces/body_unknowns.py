@@ -1,9 +1,8 @@
 """Bodies that obey forces in the equations of implicit viscosity: a row of numbers for each, and the steps of conjugate
 gradients on them, for kernels that do the same for particles."""
 
-import taichi as ti
-
 from sim.device.arrays import DoubleTable, vec3, vector
+from sim.device.compiler import ti
 
 RESIDUAL, SEARCH, IMAGE, CHANGE, INVERSE, CENTRE, MASS, INERTIA, COLUMNS = 0, 6, 12, 18, 24, 60, 63, 64, 73
 """Where the numbers of a body begin in its row: vectors of a velocity and an angular velocity, the preconditioner by

@@ -12,9 +12,9 @@ k the factor of the pairs.
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import mat3, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.calibration import sample_depth, sample_volume, sample_weight
 from sim.fluid.forces.pairwise import SOFTENING, VISCOUS, viscous
 from sim.fluid.kernel import cubic_slope, cubic_slope_host

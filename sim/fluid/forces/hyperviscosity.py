@@ -11,9 +11,9 @@ wave number k it acts as (k d)^4, where viscosity acts as (k d)^2 (compare the f
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Vec4Array, mat3, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import Neighbors, padded

@@ -12,9 +12,9 @@ which is made of pair forces alone, so that momentum and angular momentum are ke
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Declared, numpy_real
+from sim.device.compiler import ti
 from sim.fluid.forces import implicit_viscosity_sums as sums
 from sim.fluid.forces.body_unknowns import COLUMNS
 from sim.fluid.forces.friction import find_wall_friction

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import DoubleTable, IntArray, Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.body_unknowns import advance, redirect, search_curvature, search_velocity
 from sim.fluid.forces.friction import face_friction, face_friction_block
@@ -17,7 +17,7 @@ from sim.neighbors.spatial_hash import Neighbors, padded
 WHOLE, PUSH, DESCEND = range(3)
 """Parts of an iteration: all of it, or what comes before and after bodies respond to the search."""
 
-Unknowns: Any = ti.types.argpack(
+Unknowns: Any = argpack(
     position=Vec4Array,
     velocity=Vec4Array,
     viscous_acceleration=Vec4Array,

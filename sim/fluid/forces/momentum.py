@@ -9,9 +9,9 @@ Solids add the derivative of what they add to the density (Akinci et al. 2012, e
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 from sim.fluid.forces.force import ForceBySolids
@@ -40,7 +40,7 @@ from sim.fluid.system import FluidSystem
 from sim.fluid.time_step_limits import tension_limit, viscosity_limit
 from sim.neighbors.spatial_hash import Neighbors, padded
 
-Accelerated: Any = ti.types.argpack(
+Accelerated: Any = argpack(
     position=Vec4Array, velocity=Vec4Array, acceleration=Vec4Array, pressure_acceleration=Vec4Array
 )
 

@@ -4,14 +4,15 @@ import math
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, mat3, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.kernel import cubic_host, cubic_slope, cubic_slope_host
 from sim.fluid.layout import Q
 from sim.neighbors.spatial_hash import padded
 
-Lens: Any = ti.types.argpack(correction=Vec4Array, skew=Vec4Array)
+Lens: Any = argpack(correction=Vec4Array, skew=Vec4Array)
 """Symmetric matrices L of particles: xx, yy, zz, and xy, xz, yz (`sim.fluid.pressure.gradient_correction`)."""
 
 SOFTENING = 0.01

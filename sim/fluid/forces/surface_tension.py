@@ -10,9 +10,9 @@ for all fluids and resolutions. Pair forces are equal and opposite.
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.forces.force import Force
 from sim.fluid.kernel import cubic_slope, slope_norm
 from sim.fluid.layout import DENSITY, Resolution

@@ -6,9 +6,9 @@ What solids do to particles is written once, here: couplings apply the opposite 
 from dataclasses import dataclass
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
 from sim.device.arrays import real, vec3
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_space import face_damping
 from sim.fluid.forces.friction import face_friction, sample_friction
 from sim.fluid.forces.pairwise import SOFTENING, artificial
@@ -23,7 +23,7 @@ viscosity and artificial viscosity between particles and solids."""
 BY_SOLIDS = PRESSURE | WALL_FRICTION | DAMPING | ADHESION
 """Those whose opposite couplings apply to solids."""
 
-Coefficients: Any = ti.types.argpack(
+Coefficients: Any = argpack(
     gravity=vec3,
     viscosity=real,
     sample_viscosity=real,

@@ -4,9 +4,8 @@ v_i += eps sum_j m 2 / (rho_i + rho_j) (v_j - v_i) W_ij: what one of a pair gain
 m^2/s: it acts once a step, however long that is.
 """
 
-import taichi as ti
-
 from sim.device.arrays import Declared, Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.kernel import cubic, cubic_norm
 from sim.fluid.layout import DENSITY
 from sim.fluid.system import FluidSystem

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import taichi as ti
 
 from scene.settings import Refused
 from sim.device.arrays import IntArray, Particles, Vec4Array, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.spec import Drain, Fluid
 from sim.geometry.shapes import place
 from sim.geometry.solids import Solid

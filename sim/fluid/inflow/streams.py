@@ -9,9 +9,10 @@ import math
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from sim.device.argument_packs import argpack
 from sim.device.arrays import IntArray, IntTable, Vec2iArray, Vec4Array, numpy_real, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.inflow.emitters import Outlet
 from sim.fluid.kernel import cubic
 from sim.fluid.layout import DENSITY
@@ -31,7 +32,7 @@ TIGHT = 1.05
 """A stream is let go while fluid at its nozzle has over so many rest densities: led further, it would press into what
 cannot give way."""
 
-Nozzles: Any = ti.types.argpack(mouth=Vec4Array, stream=Vec4Array, across=Vec4Array, along=Vec4Array)
+Nozzles: Any = argpack(mouth=Vec4Array, stream=Vec4Array, across=Vec4Array, along=Vec4Array)
 """Centre of the outlet and length of the nozzle [m]; velocity and speed [m/s]; both directions across, and how far
 particles are there [m]."""
 

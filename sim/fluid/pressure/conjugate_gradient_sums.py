@@ -1,8 +1,7 @@
 """What `sim.fluid.pressure.conjugate_gradients` does on the device."""
 
-import taichi as ti
-
 from sim.device.arrays import DoubleTable, RealArray, real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces.pairwise import Lens, matrix, pair_pressures
 from sim.fluid.kernel import cubic_slope, slope_norm

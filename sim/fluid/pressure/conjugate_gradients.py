@@ -13,9 +13,8 @@ Sources: Polyak 1969 (conjugate gradients with bounds), Ihmsen et al. 2014 (warm
 
 from dataclasses import dataclass
 
-import taichi as ti
-
 from sim.device.arrays import vec4
+from sim.device.compiler import ti
 from sim.fluid.forces.pairwise import Lens
 from sim.fluid.pressure import conjugate_gradient_sums as sums
 from sim.fluid.pressure.conjugate_gradient_sums import CORRECTED, DESCEND, GROUPS, PUSH, ROW, ROWS

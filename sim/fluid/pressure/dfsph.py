@@ -11,9 +11,8 @@ leaves is part of the compression that the first one takes away in the next step
 
 from typing import ClassVar
 
-import taichi as ti
-
 from sim.device.arrays import Declared, Vec4Array, real
+from sim.device.compiler import ti
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.hyperviscosity import Hyperviscosity
 from sim.fluid.pressure import gradient_correction, projection

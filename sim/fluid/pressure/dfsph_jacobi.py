@@ -29,9 +29,9 @@ from functools import cache
 from typing import ClassVar
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Declared, DoubleTable, RealArray, Vec4Array, real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, face_slope, void_of
 from sim.fluid.boundary.samples import remember_displacement

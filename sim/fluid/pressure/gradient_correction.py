@@ -22,9 +22,9 @@ the kernel's gradient stays: pressure is next to nothing there.
 from functools import cache
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Declared, mat3, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import pressing_density, velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, lacking_along

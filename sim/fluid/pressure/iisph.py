@@ -7,9 +7,8 @@ that is too far: what they then meet where they would go is found, and pushed of
 import math
 from typing import ClassVar
 
-import taichi as ti
-
 from sim.device.arrays import Declared, Vec4Array, real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.layout import Q
 from sim.fluid.pressure import projection

@@ -3,9 +3,9 @@
 from typing import Any, ClassVar
 
 import numpy as np
-import taichi as ti
 
 from sim.device.arrays import Declared, Vec4Array, real, vec3
+from sim.device.compiler import ti
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing
 from sim.fluid.measure import Measure

@@ -15,9 +15,10 @@ without pressure, and takes over what it lacks of any steeper one that is met.
 from typing import Any, ClassVar
 
 import numpy as np
-import taichi as ti
 
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Declared, DoubleTable, Vec4Array, real, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.boundary.samples import remember_displacement, sheet_share
@@ -29,9 +30,7 @@ from sim.fluid.sums import BLOCKS, mean_and_worst, span
 from sim.fluid.system import FluidSystem
 from sim.neighbors.spatial_hash import Neighbors, itself, padded
 
-Predicted: Any = ti.types.argpack(
-    position=Vec4Array, predicted=Vec4Array, pressure_acceleration=Vec4Array, solid=Vec4Array
-)
+Predicted: Any = argpack(position=Vec4Array, predicted=Vec4Array, pressure_acceleration=Vec4Array, solid=Vec4Array)
 
 RELAXATION = 0.5
 """Share of what would bring one particle alone to its rest density: its neighbours are raised with it."""

@@ -17,9 +17,10 @@ Sources: Ihmsen et al. 2014 (the system of equations), Bender & Koschier 2017 (D
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from sim.device.argument_packs import argpack
 from sim.device.arrays import Declared, RealArray, Vec4Array, real, vec3, vec4
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.boundary.samples import sheet_share
 from sim.fluid.forces.pairwise import SOFTENING, viscous
@@ -49,7 +50,7 @@ ARRAYS = (
     Declared("source", "real", "predicted compression s [kg/m^3]", sorted=False, saved=False),
 )
 
-Unknowns: Any = ti.types.argpack(
+Unknowns: Any = argpack(
     position=Vec4Array,
     velocity=Vec4Array,
     acceleration=Vec4Array,

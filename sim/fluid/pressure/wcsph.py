@@ -6,9 +6,8 @@ Pressure     p_i = B ((rho_i / rho0)^7 - 1), B = rho0 c^2 / 7, never negative   
 
 from typing import ClassVar
 
-import taichi as ti
-
 from sim.device.arrays import Vec4Array, real
+from sim.device.compiler import ti
 from sim.fluid.boundary.gaps import pressing_density
 from sim.fluid.forces.momentum import Momentum
 from sim.fluid.forces.velocity_smoothing import VelocitySmoothing

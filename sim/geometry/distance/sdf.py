@@ -4,8 +4,7 @@ Box, sphere, capsule, cylinder and torus lie about their centre, the axis along 
 shape is a grid of distances. Distances are exact outside; a grid's are as good as interpolation.
 """
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, vec3, vec4
 
 PLANE, SPHERE, BOX, CAPSULE, CYLINDER, TORUS, GRID = range(7)

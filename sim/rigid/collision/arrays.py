@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import taichi as ti
 
+from sim.device.compiler import ti
 from sim.rigid.body import Body
 from sim.rigid.collision.manifold import MOST, Found
 from sim.rigid.collision.narrow_phase import Shapes

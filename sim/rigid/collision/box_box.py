@@ -5,8 +5,7 @@ Separating axes: Gottschalk et al. 1996.
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import mat3, vec3
 from sim.rigid.collision.manifold import FEW, add
 

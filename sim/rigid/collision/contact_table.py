@@ -1,7 +1,6 @@
 """Contacts of all pairs in one table, with the forces of the step before."""
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Vectors, vec3
 from sim.rigid.collision.manifold import CLOSED, MOST, Found
 from sim.rigid.dynamics.contact_solver import relative_velocity

@@ -1,8 +1,8 @@
 """The contacts of one pair of bodies while they are being found: few, well spread, the deepest always among them, and
 the same ones from step to step while bodies rest."""
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors, vec3
 
 MOST = 8
@@ -18,7 +18,7 @@ NEARER = 0.999999
 """Two contacts are more alike than two others where their squared difference is less than this share of theirs."""
 
 
-Found = ti.types.argpack(at=Vectors, out=Vectors, apart=Numbers, bend=Numbers)
+Found = argpack(at=Vectors, out=Vectors, apart=Numbers, bend=Numbers)
 """Contacts as they are found, MOST places for each pair: place [m], normal, gap [m] and bend [m/s^2]."""
 
 

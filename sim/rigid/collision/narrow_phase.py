@@ -3,8 +3,8 @@
 import math
 from typing import Any
 
-import taichi as ti
-
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Quaternions, Singles, Vectors, mat3, vec3, vec4
 from sim.geometry.distance.sdf import (
     BOX,
@@ -85,7 +85,7 @@ class _Search:
 
 Search: Any = ti.dataclass(_Search)
 
-Shapes: Any = ti.types.argpack(
+Shapes: Any = argpack(
     kind=Integers,
     size=Vectors,
     hollow=Integers,

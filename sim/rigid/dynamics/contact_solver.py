@@ -8,8 +8,7 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 (NNCG, Silcowitz-Hansen et al. 2010).
 """
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors, cross_matrix, mat3, vec2, vec3
 from sim.rigid.layout import Contacts, Motion
 

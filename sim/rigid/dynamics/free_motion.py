@@ -6,8 +6,7 @@ brought to the end of the step at once. One that touches something keeps that of
 found with the next step, and its velocity lags by half of this one.
 """
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Vectors, vec3
 from sim.rigid.dynamics.rotation import angular_velocity, rotation_of, spun, turned
 from sim.rigid.layout import BodyProperties, Loads, Motion, StepVelocities

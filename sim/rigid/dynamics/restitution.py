@@ -5,8 +5,7 @@ energy by the length of the step. A blow goes from pair to pair as it does along
 pair are struck together, so that a box which lands flat bounces flat.
 """
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers
 from sim.rigid.dynamics.contact_solver import relative, relative_velocity, strike
 from sim.rigid.layout import Bounces, Contacts, Motion, Pairs, StepVelocities

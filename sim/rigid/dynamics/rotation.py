@@ -1,7 +1,6 @@
 """Rotations on the device: unit quaternions (w, x, y, z), and bodies that turn with constant angular momentum."""
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import mat3, vec3, vec4
 
 MOST_ROUNDS = 30

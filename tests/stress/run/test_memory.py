@@ -41,10 +41,10 @@ def test_a_particle_takes_a_kilobyte_at_most(simulate, solver):
 def test_steps_keep_no_memory(simulate, monkeypatch):
     """Taichi never gives back what it compiles to fill an array of vectors, nor all that it takes to make one: so no
     step may do either, once the lists have grown, with cloth that is led, water, and a ball on both."""
-    from taichi.lang.matrix import MatrixNdarray, VectorNdarray
+    from sim.device.compiler import ti
 
     calls: list[str] = []
-    for kind in (MatrixNdarray, VectorNdarray):
+    for kind in (ti.lang.matrix.MatrixNdarray, ti.lang.matrix.VectorNdarray):
         for name in ("__init__", "_fill_by_kernel"):
             monkeypatch.setattr(kind, name, counted(getattr(kind, name), calls))
     led = [{"at": "left", "velocity": [0, 0.05, 0]}, "right"]

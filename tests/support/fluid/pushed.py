@@ -1,8 +1,7 @@
 """What pressures do to particles beside walls, for tests."""
 
-import taichi as ti
-
 from sim.device.arrays import Vec4Array, real
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_space import along_faces
 from sim.fluid.forces.pairwise import Lens, pair_pressures
 from sim.fluid.layout import Walls

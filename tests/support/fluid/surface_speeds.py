@@ -1,8 +1,7 @@
 """Velocities of the surfaces of solids, as kernels find them."""
 
-import taichi as ti
-
 from sim.device.arrays import DoubleTable, IntArray, Vec4Array
+from sim.device.compiler import ti
 from sim.fluid.boundary.half_spaces.pose import surface_velocity
 
 

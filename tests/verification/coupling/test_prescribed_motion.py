@@ -130,10 +130,9 @@ def test_half_spaces_follow_on_the_device(case, tmp_path):
     """Off the middle of each face of the box, at s along the normal n that moves with it, its half-space is that of n
     and s, and moves as the body would there; a ball that stands does not. In single precision, relative to an origin
     near by."""
-    import taichi as ti
-
     from sim.coupling.fluid_solids import boundary_solids, motions
     from sim.device.arrays import numpy_real, vec4
+    from sim.device.compiler import ti
     from sim.fluid.boundary.faces import Faces
     from sim.fluid.boundary.shapes import Shapes
     from tests.support.fluid.surface_speeds import surface_speeds

@@ -4,9 +4,8 @@ They are moved on by as much of the step as they could need at least to come so 
 stay apart stays apart.
 """
 
-import taichi as ti
-
 from sim.cloth.contact.detection.proximity import nearest
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 ROUNDS = 64

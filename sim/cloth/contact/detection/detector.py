@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.contact_set import ContactSet
 from sim.cloth.contact.detection import search
@@ -15,6 +14,7 @@ from sim.cloth.contact.detection.surfaces import Surface, Tree
 from sim.cloth.contact.solids import Wall
 from sim.cloth.fabric.arrays import integers, numbers
 from sim.cloth.fabric.mesh import ClothMesh
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 EARLY = 0.95

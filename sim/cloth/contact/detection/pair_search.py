@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.detection import search
 from sim.cloth.contact.detection.crowding import SHARE as AT_REST
@@ -13,6 +12,7 @@ from sim.cloth.contact.detection.crowding import Crowding
 from sim.cloth.contact.detection.search import Hits, SweptPoints
 from sim.cloth.contact.detection.surfaces import Tree
 from sim.cloth.fabric.arrays import integers, vectors
+from sim.device.compiler import ti
 
 LEAST = 0.25
 """This share of the thickness, or of the distance at the start where that is less, is kept in any case."""

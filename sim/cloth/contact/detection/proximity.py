@@ -2,8 +2,7 @@
 
 from typing import Any
 
-import taichi as ti
-
+from sim.device.compiler import ti
 from sim.device.double import vec3, vec4
 
 Nearest: Any = ti.types.struct(weight=vec4, apart=vec3)

@@ -2,18 +2,18 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.detection.ccd import time_of_nearness
 from sim.cloth.contact.detection.proximity import nearest
 from sim.cloth.fabric.layout import Weights
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Vectors, vec3
 from sim.neighbors.box_tree import meet, next_node
 
 POINT, EDGE, PLANE = range(3)
 """Kinds of pairs; planes are numbered from PLANE on."""
 
-Hits: Any = ti.types.argpack(
+Hits: Any = argpack(
     corner=Integers,
     weight=Weights,
     toward=Vectors,
@@ -23,11 +23,11 @@ Hits: Any = ti.types.argpack(
 """Pairs that come near: four points, their weights then, and the unit vector to the first primitive; and whether they
 come nearer than they may at all. How many there are of each query."""
 
-TreeBoxes: Any = ti.types.argpack(leaves=ti.i32, primitives=ti.i32, member=Integers, low=Vectors, high=Vectors)
+TreeBoxes: Any = argpack(leaves=ti.i32, primitives=ti.i32, member=Integers, low=Vectors, high=Vectors)
 """A tree of boxes around so many primitives, in so many leaves: points of each primitive, and the corners of the boxes
 of nodes [m]."""
 
-SweptPoints: Any = ti.types.argpack(half=Numbers, start=Vectors, end=Vectors, rest=Vectors)
+SweptPoints: Any = argpack(half=Numbers, start=Vectors, end=Vectors, rest=Vectors)
 """Half the thickness at points [m], where they are before and after a step, and where they were placed [m]."""
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact.detection.search import TreeBoxes
 from sim.cloth.fabric.arrays import integers, vectors
 from sim.cloth.fabric.fabric import edges_of
+from sim.device.compiler import ti
 from sim.neighbors import box_tree
 
 

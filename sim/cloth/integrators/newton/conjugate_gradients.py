@@ -7,8 +7,6 @@ the preconditioner. Small cloths are solved by one thread in one launch: threads
 time.
 """
 
-import taichi as ti
-
 from sim.cloth.contact.augmented_lagrangian import admissible_force, on_body, separation, tangent_force, work_along
 from sim.cloth.fabric.layout import PARTITIONS, BlockMatrix, Contacts, CoupledBodies, Points
 from sim.cloth.fabric.partition_sums import sum_partition, sum_partitions
@@ -26,6 +24,7 @@ from sim.cloth.integrators.newton.linear_system import (
     System,
     conjugate_direction,
 )
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 AT_ONCE = 4

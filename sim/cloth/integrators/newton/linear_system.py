@@ -2,12 +2,12 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.augmented_lagrangian import friction_direction, on_body
 from sim.cloth.fabric.layout import PARTITIONS, BlockMatrix, Contacts, CoupledBodies, Points
 from sim.cloth.fabric.partition_sums import sum_partition, sum_partitions
 from sim.cloth.integrators.newton.trial import Trial
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Matrices, Numbers, Vectors, cross_matrix, mat3, vec2, vec3, vec5
 
 RESIDUAL, DECREASE, CURVATURE, STEP, BETA, LOW, HIGH, SLOPE_LOW, SLOPE_HIGH, SETTLED = range(10)
@@ -15,7 +15,7 @@ RESIDUAL, DECREASE, CURVATURE, STEP, BETA, LOW, HIGH, SLOPE_LOW, SLOPE_HIGH, SET
 and p.Ap; the length of the step, and which share of the direction the next one keeps; between which lengths the step
 is, the slopes at these, and whether it is settled."""
 
-System: Any = ti.types.argpack(
+System: Any = argpack(
     force=Vectors,
     force_before=Vectors,
     residual=Vectors,

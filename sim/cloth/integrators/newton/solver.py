@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import taichi as ti
 
 from sim.cloth.contact import augmented_lagrangian
 from sim.cloth.contact.collision import Collisions
@@ -19,6 +18,7 @@ from sim.cloth.integrators.newton.linear_system import SETTLED, System
 from sim.cloth.integrators.newton.step_energy import ElementForces
 from sim.cloth.integrators.newton.trial import Trial
 from sim.cloth.spec import ImplicitEuler as Settings
+from sim.device.compiler import ti
 from sim.device.double import vec3
 
 PASSES = 3

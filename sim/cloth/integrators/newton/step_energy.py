@@ -11,8 +11,6 @@ negative, so that every direction found leads down.
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.contact.augmented_lagrangian import contact_energy
 from sim.cloth.fabric.air_drag import drag, drag_block
 from sim.cloth.fabric.bending import turned
@@ -20,9 +18,11 @@ from sim.cloth.fabric.layout import PARTITIONS, BlockMatrix, Contacts, CoupledBo
 from sim.cloth.fabric.partition_sums import sum_partition, sum_partitions
 from sim.cloth.fabric.springs import block, line
 from sim.cloth.integrators.newton.trial import Trial, hinge_fold
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors, mat3, vec3
 
-ElementForces: Any = ti.types.argpack(
+ElementForces: Any = argpack(
     spring_direction=Vectors,
     spring_tangent=Vectors,
     moment=Numbers,

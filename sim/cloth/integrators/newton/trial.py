@@ -2,14 +2,14 @@
 
 from typing import Any
 
-import taichi as ti
-
 from sim.cloth.fabric.bending import fold
 from sim.cloth.fabric.layout import MassSpring, Points
 from sim.cloth.fabric.springs import line
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 from sim.device.double import Numbers, Vectors
 
-Trial: Any = ti.types.argpack(
+Trial: Any = argpack(
     start=Vectors,
     predicted=Vectors,
     base=Vectors,

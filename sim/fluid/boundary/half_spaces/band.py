@@ -1,9 +1,8 @@
 """A mesh as the nodes of a narrow band tell of it: each the half-space that it sees
 (`sim.geometry.distance.narrow_band`)."""
 
-import taichi as ti
-
 from sim.device.arrays import real, vec3, vec4
+from sim.device.compiler import ti
 from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.half_spaces.curvature import shift_of
 from sim.geometry.distance.narrow_band import BLOCK, OPPOSITE, TURNED

@@ -1,8 +1,7 @@
 """Mean curvature of the surfaces of primitives, and what it makes of the distance to any surface."""
 
-import taichi as ti
-
 from sim.device.arrays import real, vec3, vec4
+from sim.device.compiler import ti
 from sim.geometry.distance.sdf import BOX, CAPSULE, CYLINDER, SPHERE, TORUS
 
 

@@ -6,9 +6,8 @@ one that it is on: with `near`, the half-space that it saw before, the other sid
 nothing else the half-space goes on as it was.
 """
 
-import taichi as ti
-
 from sim.device.arrays import real, vec4
+from sim.device.compiler import ti
 from sim.device.double import vec3 as vec3d
 from sim.device.double import vec4 as vec4d
 from sim.fluid.boundary.half_spaces.band import FAR, on_band

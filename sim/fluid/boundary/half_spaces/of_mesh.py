@@ -5,9 +5,8 @@ the valleys of a scan, the nearest, as long as nothing that bulges hides it. Wha
 where three of them see the same plane.
 """
 
-import taichi as ti
-
 from sim.device.arrays import real, vec3, vec4
+from sim.device.compiler import ti
 from sim.device.double import vec3 as vec3d
 from sim.fluid.boundary.half_spaces.band import FAR, ON, SEEN, around_of, cell_of, corner_of, is_of, node_at
 from sim.geometry.distance.narrow_band import OPPOSITE

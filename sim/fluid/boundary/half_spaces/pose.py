@@ -1,9 +1,8 @@
 """Between the frame of a solid and that of the fluid, by the solid's row of POSE numbers
 (`sim.fluid.boundary.shapes`)."""
 
-import taichi as ti
-
 from sim.device.arrays import DoubleTable, real, vec3
+from sim.device.compiler import ti
 from sim.device.double import vec3 as vec3d
 
 

@@ -44,8 +44,7 @@ def lubrication_wrenches(body: dict, pressure, water: dict | None = None, raised
     pressure: of particles [Pa], by their positions [m]; raised: by how much the body has come up [m] while particles
     stayed where they were.
     """
-    import taichi as ti
-
+    from sim.device.compiler import ti
     from sim.run.stepping import Run
     from sim.spec import SimulationSpec
 

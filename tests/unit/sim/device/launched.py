@@ -1,10 +1,11 @@
 """Kernels for `test_launching.py`: they cannot be in a file with postponed annotations."""
 
-import taichi as ti
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 
 Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)
 Vectors = ti.types.ndarray(dtype=ti.types.vector(3, ti.f64), ndim=1)
-Pack = ti.types.argpack(one=Numbers, other=Vectors)
+Pack = argpack(one=Numbers, other=Vectors)
 vec3 = ti.types.vector(3, ti.f64)
 
 

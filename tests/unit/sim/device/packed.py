@@ -1,14 +1,15 @@
 """A kernel for `test_argument_packs.py`: it cannot be in a file with postponed annotations."""
 
-import taichi as ti
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
 
 Numbers = ti.types.ndarray(dtype=ti.f64, ndim=1)
 Whole = ti.types.ndarray(dtype=ti.i32, ndim=1)
-One = ti.types.argpack(factor=ti.f64, size=Whole, value=Numbers)
-Other = ti.types.argpack(value=Numbers, factor=ti.f64, size=Whole)
+One = argpack(factor=ti.f64, size=Whole, value=Numbers)
+Other = argpack(value=Numbers, factor=ti.f64, size=Whole)
 
 
-Both = ti.types.argpack(one=One, out=Numbers)
+Both = argpack(one=One, out=Numbers)
 
 
 @ti.kernel

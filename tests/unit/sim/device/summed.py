@@ -1,6 +1,6 @@
 """A kernel for `test_summation.py`, as those of cloth: it cannot be in a file with postponed annotations."""
 
-import taichi as ti
+from sim.device.compiler import ti
 
 Reals = ti.types.ndarray(dtype=ti.f64, ndim=1)
 Wholes = ti.types.ndarray(dtype=ti.i32, ndim=1)

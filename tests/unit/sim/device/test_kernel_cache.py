@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = """
 import sim
 import numpy as np
-import taichi as ti
+from sim.device.compiler import ti
 
 from sim.device import runtime
 

@@ -25,9 +25,7 @@ def test_sums_in_order_are_those_of_a_loop(taichi):
 
 
 def test_later_kernels_are_compiled_as_chosen(taichi):
-    from taichi.lang.impl import current_cfg
-
     from tests.unit.sim.device import summed
 
     summed.as_written(*(np.zeros(n, kind) for n, kind in ((2, np.int32), (1, np.int32), (1, float), (1, float))))
-    assert current_cfg().fast_math
+    assert taichi.lang.impl.current_cfg().fast_math

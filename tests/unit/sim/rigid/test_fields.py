@@ -33,8 +33,7 @@ def _lookup(shape, points: np.ndarray) -> np.ndarray:
     from sim.device import runtime
 
     runtime.start(threads=1, arch="cpu")
-    import taichi as ti
-
+    from sim.device.compiler import ti
     from sim.device.double import Quaternions, Vectors
     from sim.rigid.body import Body
     from sim.rigid.collision.arrays import shapes

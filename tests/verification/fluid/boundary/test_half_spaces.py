@@ -42,9 +42,8 @@ def solids_of(folder, bodies, h=H):
 
 def vectors(values):
     """On the device, with a zero for w."""
-    import taichi as ti
-
     from sim.device.arrays import numpy_real, vec4
+    from sim.device.compiler import ti
 
     array = ti.ndarray(vec4, len(values))
     array.from_numpy(np.column_stack((values, np.zeros(len(values)))).astype(numpy_real))
@@ -317,9 +316,8 @@ def test_what_comes_into_sight_does_not_press_at_once(tmp_path):
     """As a particle goes on beside a bent mesh, it comes to be told of another face at the same place, and would be
     shot off by that, the faster, the shorter the step. So it may be so much denser at first, and feels all of it by the
     time in which it would go a spacing at PACE of sqrt(g d)."""
-    import taichi as ti
-
     from sim.device.arrays import real
+    from sim.device.compiler import ti
     from sim.fluid.boundary.face_sums import SUDDEN
     from sim.fluid.boundary.gaps import PACE
     from sim.fluid.layout import Points

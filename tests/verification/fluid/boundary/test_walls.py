@@ -16,9 +16,8 @@ WALLS = np.hstack((np.eye(3), np.zeros((3, 1))))
 
 def faces_at(points, planes):
     """What solids below `planes`, normals and offsets [m], shape [n, 4], are to points [m], shape [n, 3]."""
-    import taichi as ti
-
     from sim.device.arrays import numpy_real, vec4
+    from sim.device.compiler import ti
     from sim.fluid.boundary.faces import Faces
     from sim.fluid.boundary.shapes import Shapes, half_space
 
@@ -66,9 +65,8 @@ def test_the_gradient_is_that_of_the_share(taichi, meeting):
 @pytest.fixture
 def made_good(taichi):
     """B a for accelerations [m/s^2] at points [m], both of shape [n, 3]."""
-    import taichi as ti
-
     from sim.device.arrays import Vec4Array, numpy_real, real, vec4
+    from sim.device.compiler import ti
     from sim.fluid.boundary.half_space import along_faces
     from sim.fluid.layout import Walls
 
