@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable
@@ -16,6 +17,12 @@ FAILED = 1
 READER_GONE = 128 + signal.SIGPIPE
 """What a shell tells of a command that ended of it."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
+def as_called(text: str | None, called: str) -> str:
+    """A text of help in which commands are called as this one was: as modules, or by `tidemill`."""
+    text = text or ""
+    return re.sub(r"python -m (?:sim |workflow\.)", "tidemill ", text) if called.startswith("tidemill") else text
 
 
 def end_with(main: Callable[[], int | None], *, goes_on: bool = False) -> NoReturn:

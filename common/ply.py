@@ -41,6 +41,22 @@ def read_points(path: Path) -> np.ndarray:
     and OSError where the file cannot be read.
     """
     content = path.read_bytes()
+    layout, count, start = _vertices(path, content)
+    return np.frombuffer(content, layout, count, start)
+
+
+def read_triangles(path: Path) -> np.ndarray:
+    """The faces of a mesh that was written here: indices of vertices, int32, shape [m, 3]; raises as `read_points`."""
+    content = path.read_bytes()
+    layout, count, start = _vertices(path, content)
+    after = start + count * layout.itemsize
+    if (len(content) - after) % _TRIANGLE.itemsize:
+        raise BadPly(f"{path} has other faces than triangles")
+    return np.frombuffer(content, _TRIANGLE, offset=after)["vertices"]
+
+
+def _vertices(path: Path, content: bytes) -> tuple[np.dtype, int, int]:
+    """Layout and number of the vertices, and where they start."""
     end = content.find(b"end_header\n", 0, _LONGEST_HEADER)
     lines = content[: max(end, 0)].decode("ascii", "replace").splitlines()
     if lines[:2] != ["ply", "format binary_little_endian 1.0"]:
@@ -62,7 +78,7 @@ def read_points(path: Path) -> np.ndarray:
     start = end + len(b"end_header\n")
     if len(content) < start + count * layout.itemsize:
         raise BadPly(f"{path} is cut off: {len(content)} bytes, too few for {count} points")
-    return np.frombuffer(content, layout, count, start)
+    return layout, count, start
 
 
 def columns(points: np.ndarray, names: Sequence[str]) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 from annotated_types import Le, Len
 from pydantic import Field, ValidationError
 
+from common.distribution import HOME
 from render.spec import RenderSpec
 from scene import assets
 from scene.diagnostics.problems import explain
@@ -158,8 +159,11 @@ def combination_of(scene: Scene, name: str, overrides: Sequence[str] = ()) -> Sc
 
 
 def name_of(path: Path) -> str:
-    """`scenes/tiny/splash.yaml` is the scene `tiny/splash`."""
-    parts = path.with_suffix("").parts
+    """`scenes/tiny/splash.yaml` is the scene `tiny/splash`, in the working directory and among those that come with
+    this software."""
+    whole = path.absolute()
+    near = next((root for root in (Path.cwd(), HOME) if whole.is_relative_to(root)), Path(whole.anchor))
+    parts = whole.relative_to(near).with_suffix("").parts
     return "/".join(parts[parts.index("scenes") + 1 :]) if "scenes" in parts[:-1] else path.stem
 
 

@@ -6,9 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from common.command import end_with, go_on_unheard
+from common.command import as_called, end_with, go_on_unheard
 from scene.settings import Refused
 
+COMMAND = "python -m sim"
 FAILED = 1
 REFUSED = 2
 
@@ -32,11 +33,11 @@ policy (see failure.json; the last good state is kept), 130 interrupted, 141 nob
 """
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m sim",
+        prog=called,
         description=__doc__,
-        epilog=EXAMPLES,
+        epilog=as_called(EXAMPLES, called),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True)
@@ -45,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
     run = commands.add_parser("run", help="simulate a scene file")
     live = commands.add_parser("live", help="play a scene in a browser, and change it while it runs")
     for command in (check, explain, run, live):
-        command.add_argument("scene", type=Path, help="scene file, such as scenes/bunny.yaml")
+        command.add_argument("scene", help="scene file, such as scenes/bunny.yaml, or its name, such as bunny")
         command.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="override a setting")
         command.add_argument("--quality", metavar="Q", help="preset: draft, standard or final (default: the scene's)")
     explain.add_argument(
@@ -91,11 +92,12 @@ def _check(options: argparse.Namespace) -> int:
     from scene.presets import QUALITIES
     from sim.checks.preview import preview
     from workflow.plan.foreseen import cautions, refuse_panorama
+    from workflow.plan.shelf import SCENE_FILES
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
         for quality in qualities:
-            scene = load(options.scene, quality=quality, overrides=options.set)
+            scene = load(SCENE_FILES.locate(options.scene), quality=quality, overrides=options.set)
             try:
                 found = preview(scene.simulation, scene.folder)
                 refuse_panorama(scene)
@@ -120,9 +122,10 @@ def _explain(options: argparse.Namespace) -> int:
     from sim.checks.explain import explain
     from workflow.budget.pilot import PilotFailed
     from workflow.plan.costs import costs, measured
+    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(options.scene, quality=options.quality, overrides=options.set)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
         try:
             found = explain(scene.simulation, scene.folder, scene.duration)
         except Refused as refused:
@@ -158,9 +161,10 @@ def _simulate(options: argparse.Namespace) -> int:
     from scene.load import load
     from sim.run.checkpoint import frame_of
     from sim.segment import simulate
+    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(options.scene, quality=options.quality, overrides=options.set)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
@@ -197,9 +201,10 @@ def _play(options: argparse.Namespace) -> int:
     from live.serve import serve
     from scene.document import SceneError
     from scene.load import load
+    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(options.scene, quality=options.quality, overrides=options.set)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED

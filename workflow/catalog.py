@@ -5,7 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import argparse
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from workflow.plan.shelf import SCENE_FILES, STUDY_FILES, Shelf
 from workflow.wedge.plan import wedge_job
 
 CONFIG_KEYS = ("quality", "keep", *(aim.key for aim in AIMS))
+COMMAND = "python -m workflow.catalog"
 KEEP = ("all", "film")
 """What is kept of a film: its parts too, or nothing else."""
 
@@ -116,21 +118,34 @@ class Catalog(JobLookup):
         return copy is None or (original.exists() and copy.exists() and copy.stat().st_size == original.stat().st_size)
 
 
-def main() -> None:
-    choices = " | ".join([f"quality={'|'.join(QUALITIES)}", *(aim.example for aim in AIMS)])
-    print("Make the film of a scene with")
-    print(f"\n  snakemake --cores all renders/NAME [--config {choices}]\n")
+def main(arguments: Sequence[str] | None = None, called: str = COMMAND) -> None:
+    argparse.ArgumentParser(prog=called, description="List scenes and studies, and say how to use them.").parse_args(
+        arguments
+    )
+    choices = [f"quality={'|'.join(QUALITIES)}", *(aim.example for aim in AIMS)]
+    by_command = called.startswith("tidemill ")
+    options = " | ".join(f"--{choice.replace('=', ' ')}" for choice in choices)
+    config = f"[--config {' | '.join(choices)}]"
+    film = f"tidemill render NAME [{options}]" if by_command else f"snakemake --cores all renders/NAME {config}"
+    study = "tidemill study NAME" if by_command else "snakemake --cores all studies/NAME"
+    print(f"Make the film of a scene with\n\n  {film}\n")
     _list(SCENE_FILES, _seen)
-    if STUDY_FILES.names():
-        print("\nMeasure what accuracy costs with\n\n  snakemake --cores all studies/NAME\n")
-        _list(STUDY_FILES, lambda path: read(path).data.get("description", ""))
+    print(f"\nMeasure what accuracy costs with\n\n  {study}\n")
+    _list(STUDY_FILES, lambda path: read(path).data.get("description", ""))
 
 
 def _list(shelf: Shelf, tell: Callable[[Path], str]) -> None:
-    known = shelf.names()
-    width = max(map(len, known), default=0)
-    print(f"{shelf.plural.capitalize()}:" if known else f"There is no {shelf.noun} in {shelf.folder}/ yet.")
-    for name in known:
+    own = shelf.names(Path())
+    print(f"{shelf.plural.capitalize()}:" if own else f"There is no {shelf.noun} in {shelf.folder}/ yet.")
+    _tell_names(shelf, own, tell)
+    if shipped := [name for name in shelf.names() if name not in own]:
+        print(f"{shelf.plural.capitalize()} that come with Tidemill:")
+        _tell_names(shelf, shipped, tell)
+
+
+def _tell_names(shelf: Shelf, names: Sequence[str], tell: Callable[[Path], str]) -> None:
+    width = max(map(len, names), default=0)
+    for name in names:
         try:
             about = tell(shelf.find(name))
         except SceneError as error:

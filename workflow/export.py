@@ -24,7 +24,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from common.command import end_with
+from common import manifest
+from common.command import as_called, end_with
+from common.distribution import HOME
 from common.registry import load as implementation
 from scene.diagnostics.suggestions import suggestion
 from scene.document import SceneError
@@ -40,14 +42,17 @@ from workflow.plan.timeline import Frames
 from workflow.stages.film import tables
 from workflow.stages.stage import FAILED, REFUSED, frames, refuse_spoiled
 
+COMMAND = "python -m workflow.export"
+
 
 def gather(parts: Sequence[Path], folder: Path) -> Path:
-    """One folder with the files of all parts of a stage, as links, and with their tables as one."""
+    """One folder with the files of all parts of a stage, as links, and with their tables as one; without a manifest,
+    which would be that of one part."""
     folder.mkdir()
     for part in parts:
         for file in part.iterdir():
             link = folder / file.name
-            if file.name not in tables.TABLES and not link.exists():
+            if file.name not in (*tables.TABLES, manifest.NAME) and not link.exists():
                 link.symlink_to(file.resolve())
     for name in tables.TABLES:
         tables.concatenate([part / name for part in parts], folder / name)
@@ -75,7 +80,7 @@ def export(scene: Scene, out: Path, settings: FormatSettings, asked: Frames, sim
 
 def _parts(scene: Scene) -> tuple[list[Path], list[Path]]:
     """Folders of the simulation and of the surface of a film, there or not."""
-    plan = Plan(scene, Path(__file__).parents[1])
+    plan = Plan(scene, HOME)
     simulated, meshed = ([Path(job.folder) for job in plan.jobs(stage)] for stage in ("simulate", "reconstruct"))
     return simulated, meshed
 
@@ -88,21 +93,23 @@ def _settings(out: Path, given: str) -> FormatSettings:
     return read_spec(known[name], given)
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m workflow.export", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog=called,
+        description=as_called(__doc__, called),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("scene", help="name of a scene, as bunny")
+    parser.add_argument("scene", help="name of a scene, such as bunny, or its file")
     parser.add_argument("--out", required=True, type=Path, metavar="FILE", help=f"{', '.join(formats())}: by its end")
     parser.add_argument("--spec", default="{}", metavar="JSON", help=f"of the format: {HELP}")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--frames", type=frames, metavar="A:B", help="first and last, both included (default: all)")
-    parser.add_argument("--simulation", type=Path, metavar="DIR", help="what `python -m sim run` left, not a film's")
+    parser.add_argument("--simulation", type=Path, metavar="DIR", help="a run's folder in place of the film's")
     parser.add_argument("--blender", metavar="PATH", help="an installed Blender that writes the file")
     options = parser.parse_args(arguments)
     try:
         settings = _settings(options.out, options.spec)
-        scene = load(SCENE_FILES.find(options.scene), quality=options.quality)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality)
         if options.blender is not None:
             scene = replace(scene, render=scene.render.model_copy(update={"blender": options.blender}))
         asked = options.frames or Frames(0, scene.last_frame)

@@ -20,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from common.command import end_with
+from common.command import as_called, end_with
+from common.distribution import HOME
 from common.ply import BadPly, columns, read_points
 from render.content.axes import z_up, z_up_columns
 from render.content.framing import View, view_of
@@ -35,6 +36,7 @@ from workflow.plan.jobs import Plan
 from workflow.plan.shelf import SCENE_FILES
 
 WATER, FOAM, CLOTH, CONTAINER = "#3f8fb5", "#f3f7f9", "#b23a48", "#8a949b"
+COMMAND = "python -m workflow.preview"
 BODIES = ("#e4572e", "#f3a712", "#669bbc", "#a8c686", "#8d6a9f")
 BACKGROUND = ("#e9e6df", "#b9cbd6")
 """Below and above."""
@@ -206,21 +208,22 @@ def unfinished(folder: Path) -> Iterator[Path]:
     yield from sorted(folder.glob(".*.partial-*"))
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m workflow.preview", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog=called,
+        description=as_called(__doc__, called),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("scene", help="name of a scene, such as bunny, or its file")
     parser.add_argument("--frame", type=int, metavar="N", help="default: the last one available")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
-    parser.add_argument("--simulation", type=Path, metavar="DIR", help="what `python -m sim run` left, not a film's")
+    parser.add_argument("--simulation", type=Path, metavar="DIR", help="a run's folder in place of the film's")
     parser.add_argument("--particles", action="store_true", help="draw particles also where there is a surface")
     parser.add_argument("--out", type=Path, metavar="FILE", help="the picture, such as frame.png")
     options = parser.parse_args(arguments)
     try:
-        path = Path(options.scene)
-        scene = load(path if path.suffix else SCENE_FILES.find(options.scene), quality=options.quality)
-        results = Path(Plan(scene, Path(__file__).parents[1]).results)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality)
+        results = Path(Plan(scene, HOME).results)
         simulations = [options.simulation] if options.simulation else [*unfinished(results / "simulation")]
         surfaces = [] if options.simulation else [*unfinished(results / "surface")]
         foams = [] if options.simulation else [*unfinished(results / "foam")]

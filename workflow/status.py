@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from common.command import end_with
+from common.command import as_called, end_with
+from common.distribution import HOME
 from common.manifest import Manifest
 from common.time_left import duration
 from scene.document import SceneError
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+COMMAND = "python -m workflow.status"
 STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "render": "frames"}
 """Stages that are made in parts, and the folders of their results."""
 REFRESH = 1.0
@@ -153,20 +155,22 @@ def _summary(stages: list[Progress], film: Job, finished: bool, picture: Path | 
     return text + (f"\nlast picture: {picture}" if picture else "")
 
 
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     parser = argparse.ArgumentParser(
-        prog="python -m workflow.status", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog=called,
+        description=as_called(__doc__, called),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("scene", help="name of a scene, such as bunny")
+    parser.add_argument("scene", help="name of a scene, such as bunny, or its file")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
     parser.add_argument("--watch", action="store_true", help="go on until the film is there")
     options = parser.parse_args(arguments)
     try:
-        scene = load(SCENE_FILES.find(options.scene), quality=options.quality)
+        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality)
     except (SceneError, Refused) as error:
         print(f"status: {error}", file=sys.stderr)
         return 2
-    plan = Plan(scene, Path(__file__).parents[1])
+    plan = Plan(scene, HOME)
     from rich.live import Live
 
     table, finished = report(plan)

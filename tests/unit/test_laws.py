@@ -33,6 +33,7 @@ LAWS = {
     "the scene file knows the settings of the stages, not the stages": ("scene", PACKAGES[2:], is_spec),
     "the simulation knows no other stage": ("sim", ("render", "workflow", "live"), ()),
     "pictures know no simulation": ("render", ("sim", "workflow", "live"), ()),
+    "nothing needs to be installed": (PACKAGES[:-1], ("tidemill",), ()),
     "the workflow does not play": ("workflow", ("live",), ()),
     "the device knows no physics": ("sim.device", ("sim",), ("sim.device",)),
     "neighbours are of anything": ("sim.neighbors", ("sim",), ("sim.device", "sim.neighbors")),
@@ -72,6 +73,7 @@ def test_law(law):
         ("render", {"taichi", "snakemake", "pysplashsurf", "viser"}),
         ("workflow", {"taichi", "bpy", "viser"}),
         ("live", {"taichi", "bpy", "snakemake", "pysplashsurf"}),
+        ("tidemill", {"taichi", "bpy", "snakemake", "pysplashsurf", "viser"}),
     ],
 )
 def test_packages_from_elsewhere(package, foreign):

@@ -9,13 +9,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from common.distribution import HOME
 from scene import grid
 from scene.load import ACCURACY, Scene, load
 from scene.settings import Refused
 from workflow.accuracy.evidence import Measured, cheapest, evidence, least_error
 from workflow.budget.detail import Presets
 from workflow.budget.forecast import predicted, teller
-from workflow.budget.pilot import ROOT
 from workflow.budget.spacings import is_spacing, resolving, scaled
 from workflow.plan.jobs import Plan
 from workflow.plan.kept import keep, kept, key_of
@@ -45,7 +45,7 @@ def chosen(path: Path, name: str, error: float, cores: int) -> Scene:
         load(path, quality=base.quality, overrides=grid.overrides({**settings.spacings, **settings.others})),
         quality=ACCURACY,
     )
-    key = key_of(cores, Plan(scene, ROOT).job("film").plan)
+    key = key_of(cores, Plan(scene, HOME).job("film").plan)
     if kept(name, ACCURACY, key) is None:
         start, tell = time.perf_counter(), teller(name)
         tell(f"an error of {100 * error:g} % needs {settings}")

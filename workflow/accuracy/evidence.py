@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from common.distribution import HOME
 from scene.grid import setting
 from scene.load import Scene
 from scene.reader import read
@@ -17,7 +18,7 @@ from workflow.budget.spacings import fineness_of_spacing, is_spacing
 from workflow.plan.shelf import STUDIES, STUDY_FILES
 from workflow.study.load import LoadedStudy, Trial, load_study
 
-MEASURED = STUDY_FILES.folder / "measured"
+MEASURED = HOME / STUDY_FILES.folder / "measured"
 """Tables of points that come with the project, for studies that were not carried out here."""
 SAME = 1.25
 """Costs that differ by less than this factor are the same: a machine is not more even."""

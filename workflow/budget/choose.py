@@ -6,13 +6,13 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from common.distribution import HOME
 from scene.load import BUDGET, load
 from scene.presets import QUALITIES
 from scene.settings import Refused
 from workflow.budget.detail import FINEST, Presets
 from workflow.budget.forecast import Forecast, calibrated, forecast, teller
 from workflow.budget.model import Model
-from workflow.budget.pilot import ROOT
 from workflow.plan.jobs import Plan
 from workflow.plan.kept import keep, kept, key_of
 
@@ -37,7 +37,7 @@ def chosen(path: Path, name: str, budget: float, cores: int) -> Choice:
 
     Raises Refused where even a draft takes longer, SceneError, and PilotFailed.
     """
-    films = [Plan(load(path, quality=quality), ROOT).job("film").plan for quality in QUALITIES]
+    films = [Plan(load(path, quality=quality), HOME).job("film").plan for quality in QUALITIES]
     key = key_of(budget, cores, films)
     last = kept(name, BUDGET, key)
     if last is not None:

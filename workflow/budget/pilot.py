@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from common.distribution import HOME
 from scene.load import Scene
 from workflow.plan.jobs import ENTRY, Plan
 from workflow.stages.film.summaries import read
 from workflow.stages.film.tables import numbers
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 class PilotFailed(RuntimeError):
@@ -63,7 +62,7 @@ class Pilot:
 
     def __init__(self, scene: Scene, folder: Path, threads: int):
         self.scene = scene
-        self._plan = Plan(scene, ROOT)
+        self._plan = Plan(scene, HOME)
         self._folder = folder
         self._threads = threads
 
@@ -119,7 +118,7 @@ class Pilot:
         surface = self._surfaces(settings, frame)
         if self._plan.has_surface and not surface.exists():
             self.surface(frame, settings)
-        spec = {**json.loads(Plan(settings, ROOT).job("render").spec), **changes}
+        spec = {**json.loads(Plan(settings, HOME).job("render").spec), **changes}
         out = Path(tempfile.mkdtemp(dir=self._folder, prefix=f"picture_{frame}_"))
         words = ["--simulation", str(self._folder / "simulation")]
         words += ["--surface", str(surface)] if self._plan.has_surface else []

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from common.command import end_with
+from common.distribution import HOME
 from scene.document import SceneError
 from workflow.gallery.collect import NotMade, collect
 from workflow.gallery.page import page
@@ -25,19 +25,18 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("scenes", nargs="*", help="names of scenes, such as duck")
     options = parser.parse_args(arguments)
-    root = Path(__file__).parents[2]
     try:
-        known = shots(root)
+        known = shots(HOME)
         by_name = {shot.scene: shot for shot in known.shots}
         for name in options.scenes:
             if name not in by_name:
                 raise NotMade(f"docs/gallery/shots.yaml does not show {name}")
-            collect(by_name[name], root)
+            collect(by_name[name], HOME)
             print(f"collected {name}")
     except (SceneError, NotMade) as error:
         print(f"gallery: {error}", file=sys.stderr)
         return 2
-    (root / PAGE).write_text(page(known, root))
+    (HOME / PAGE).write_text(page(known, HOME))
     print(PAGE)
     return 0
 

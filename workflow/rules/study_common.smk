@@ -3,7 +3,7 @@ def studies():
     """Imported only for studies: films need nothing of it."""
     from workflow.study.catalog import Studies
 
-    return Studies(Path(workflow.basedir), lambda: workflow.dryrun)
+    return Studies(HOME, lambda: workflow.dryrun)
 
 
 def study(stage, name):

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from common.manifest import Manifest, spoiled
+from workflow.export import gather
 from workflow.formats import FORMATS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -41,6 +43,20 @@ def test_an_animation_is_written(folder):
     text = (folder / "ball.usda").read_text()
     assert text.startswith("#usda") and "ball" in text
     assert "endTimeCode = 2" in text
+
+
+def test_the_parts_of_a_film_are_one_animation(folder, monkeypatch):
+    """Each with a manifest, as jobs leave it, and with a table that belongs to all of them."""
+    parts = []
+    for index, frames in enumerate(("0:1", "2:2")):
+        parts.append(folder / f"part{index}")
+        state = ["--resume", parts[0] / "state_00001.npz"] if index else []
+        done = python(folder, "sim", "run", "scenes/ball.yaml", "--frames", frames, "--out", parts[-1], *state)
+        assert done.returncode == 0, done.stderr
+        Manifest.of(parts[-1], "plan").write(parts[-1])
+    whole = gather(parts, folder / "whole")
+    assert spoiled(whole, ("",), None) is None
+    assert (whole / "bodies.csv").read_text() == (folder / "out" / "bodies.csv").read_text()
 
 
 def test_every_format_is_offered_for_a_name_that_is_none(folder):

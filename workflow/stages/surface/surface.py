@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pysplashsurf
+from scipy.spatial import cKDTree
 
 from workflow.stages.surface.drops import APART, alone, balls
 from workflow.stages.surface.layers import whole_layers
@@ -27,7 +28,7 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
 
 
 def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, threads: int) -> Surface:
-    """What splashsurf finds, with normals that are finite everywhere."""
+    """What splashsurf finds, with normals and velocities that are finite everywhere."""
     if not len(positions):
         return Surface.empty()
     surface = spec.surface
@@ -57,7 +58,21 @@ def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec,
     vertices = np.asarray(mesh.vertices, np.float32)
     triangles = np.asarray(mesh.triangles).astype(np.int32)
     normals = _finite(np.asarray(attributes["normals"], np.float32), vertices, triangles)
-    return Surface(vertices, normals, np.asarray(attributes["velocity"], np.float32), triangles)
+    seen = _seen(np.asarray(attributes["velocity"], np.float32), vertices, (positions, velocities))
+    return Surface(vertices, normals, seen, triangles)
+
+
+def _seen(interpolated: np.ndarray, vertices: np.ndarray, particles: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """Velocities at the vertices. Smoothing takes vertices of a small void to where no particle is within the support
+    radius, so that splashsurf has nothing to interpolate there: they move as the nearest particle does."""
+    bad = ~np.isfinite(interpolated).all(axis=1)
+    if not bad.any():
+        return interpolated
+    positions, velocities = particles
+    _, nearest = cKDTree(positions).query(vertices[bad])
+    found = interpolated.copy()
+    found[bad] = velocities[nearest]
+    return found
 
 
 def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -78,6 +78,21 @@ def test_a_constant_velocity_is_carried_exactly():
     assert np.abs(surface.velocities - [1.0, -2.0, 0.5]).max() < 1e-5
 
 
+@pytest.mark.parametrize("radius", [2.0, 3.0, 4.0])
+def test_a_constant_velocity_is_carried_into_a_void(radius):
+    """As under a ball that has just dived: coarse cells and smoothing take vertices out of reach of all particles."""
+    spacing, velocity = 0.04, np.array([3, -1, 0.5], np.float32)
+    indices = np.stack(np.meshgrid(*[np.arange(14) - 6.5] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    positions = (spacing * indices[np.linalg.norm(indices, axis=1) > radius]).astype(np.float32)
+    found = reconstruct(
+        positions,
+        np.tile(velocity, (len(positions), 1)),
+        ReconstructSpec(particle_radius=spacing / 2, surface={"cube_size": 1.5}),
+    )
+    assert np.linalg.norm(found.vertices, axis=1).min() < radius * spacing, "there is no void"
+    assert np.allclose(found.velocities, velocity, rtol=1e-5)
+
+
 def test_a_linear_velocity_is_carried_within_a_kernel_radius():
     positions = ball()
     gradient = np.float32([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
