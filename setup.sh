@@ -29,7 +29,7 @@ echo "setting up .venv with $("$python" -c 'import sys; print("Python", sys.vers
 
 libraries="libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
 if [ "$version" = 3.12 ]; then
-    echo "rendering by $(command -v blender): Blender has no package for Python 3.12"
+    echo "Blender has no package for Python 3.12; for the installed one: export TIDEMILL_BLENDER=$(command -v blender)"
 elif ! .venv/bin/python -c 'import bpy' >/dev/null 2>&1; then
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
         apt-get update -qq
