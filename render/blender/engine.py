@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 from render.errors import Unusable
 
@@ -47,9 +48,7 @@ def _picture(render: Any, settings: Any, fps: float) -> None:
     render.use_motion_blur = settings.motion_blur
     render.motion_blur_shutter = settings.shutter
     render.use_persistent_data = True
-    render.image_settings.file_format = "PNG"
-    render.image_settings.color_mode = "RGB"
-    render.image_settings.color_depth = "8"
+    versions.take_format(render.image_settings, "PNG", "RGB", "8")
     for stamp in (name for name in dir(render) if name.startswith("use_stamp")):
         setattr(render, stamp, False)
 
@@ -116,8 +115,7 @@ def _device(scene: Any, settings: Any) -> Device:
         scene.cycles.device = "CPU"
         return Device("CPU", ())
     scene.cycles.device = "GPU"
-    if hasattr(scene.cycles, "denoising_use_gpu"):
-        scene.cycles.denoising_use_gpu = True
+    versions.denoise_on_gpu(scene.cycles)
     return found
 
 

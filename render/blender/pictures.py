@@ -7,8 +7,8 @@ import os
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 from render.errors import RenderError
 
@@ -49,7 +49,7 @@ def passes_beside(path: Path, wanted: bool) -> Iterator[None]:
     part = path.with_name(f".{path.stem}.part.exr")
     picture = render.image_settings.file_format, render.image_settings.color_mode, render.image_settings.color_depth
     render.filepath = str(part)
-    _format(render.image_settings, "OPEN_EXR_MULTILAYER", "RGB", "32")
+    versions.take_format(render.image_settings, "OPEN_EXR_MULTILAYER", "RGB", "32")
     render.image_settings.exr_codec = "ZIP"
     try:
         yield
@@ -58,13 +58,7 @@ def passes_beside(path: Path, wanted: bool) -> Iterator[None]:
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
-        _format(render.image_settings, *picture)
-
-
-def _format(settings: Any, file_format: str, color_mode: str, color_depth: str) -> None:
-    settings.file_format = file_format
-    settings.color_mode = color_mode
-    settings.color_depth = color_depth
+        versions.take_format(render.image_settings, *picture)
 
 
 def without_metadata(png: bytes) -> bytes:

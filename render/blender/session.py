@@ -6,7 +6,7 @@ import contextlib
 import os
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +43,30 @@ def import_remedy(error: ImportError) -> str:
     )
 
 
+@contextlib.contextmanager
+def silenced(log: Path, streams: Sequence[int] = (1, 2)) -> Iterator[None]:
+    """Send what Blender prints, below Python's own streams, to the end of a file."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = [os.dup(stream) for stream in streams]
+    sink = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    try:
+        for stream in streams:
+            os.dup2(sink, stream)
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        for stream, own in zip(streams, kept, strict=True):
+            os.dup2(own, stream)
+        for descriptor in (*kept, sink):
+            os.close(descriptor)
+
+
 try:
-    import bpy
+    # Since 5.0 it says on the standard output which colours it uses.
+    with silenced(Path(os.devnull), streams=(1,)):
+        import bpy
 except ImportError as error:
     raise Unusable(import_remedy(error)) from error
 
@@ -61,26 +83,6 @@ def release() -> None:
     """Take down the Python handlers added since the import: with one left, bpy hangs when the process ends."""
     for name, handlers in _handlers().items():
         handlers[:] = _OWN_HANDLERS[name]
-
-
-@contextlib.contextmanager
-def silenced(log: Path) -> Iterator[None]:
-    """Send what Blender prints, below Python's own streams, to the end of a file."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = os.dup(1), os.dup(2)
-    sink = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-    try:
-        os.dup2(sink, 1)
-        os.dup2(sink, 2)
-        yield
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os.dup2(kept[0], 1)
-        os.dup2(kept[1], 2)
-        for descriptor in (*kept, sink):
-            os.close(descriptor)
 
 
 def check(result: set[str], action: str) -> None:

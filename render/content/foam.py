@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 from render.content.axes import z_up_columns
 from render.content.ply import TriangleMesh
@@ -39,20 +40,14 @@ class Foam:
 def _balls(material: Any) -> Any:
     """The geometry nodes that make a ball of every vertex."""
     tree = bpy.data.node_groups.new("balls", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for direction in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    versions.pass_geometry(tree)
     names = ("NodeGroupInput", "GeometryNodeMeshToPoints", "GeometryNodeSetMaterial", "NodeGroupOutput")
     start, points, dressed, end = (tree.nodes.new(name) for name in names)
     radius = tree.nodes.new("GeometryNodeInputNamedAttribute")
     radius.data_type = "FLOAT"
     radius.inputs["Name"].default_value = RADIUS
     dressed.inputs["Material"].default_value = material
-    # Blender 3 has an output of each type, of which one is shown.
-    tree.links.new(next(output for output in radius.outputs if output.enabled), points.inputs["Radius"])
+    tree.links.new(versions.only_output(radius), points.inputs["Radius"])
     for source, target, key in ((start, points, 0), (points, dressed, "Geometry"), (dressed, end, 0)):
         tree.links.new(source.outputs[0], target.inputs[key])
     return tree

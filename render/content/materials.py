@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 from render.content.nodes import Graph, rgba
 from render.looks import load_look
@@ -27,7 +28,7 @@ def make_material(name: str, look: Any, size: float, tinted: bool = False) -> An
     output = graph.node("OutputMaterial", {"Surface": surface})
     if volume is not None:
         graph.feed(output, "Volume", volume)
-        material.cycles.homogeneous_volume = True
+        versions.absorb_evenly(material)
     return material
 
 

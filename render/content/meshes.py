@@ -6,6 +6,7 @@ import math
 from array import array
 from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 from render.content.axes import z_up_columns
 from render.content.nodes import TINT, rgba
@@ -38,8 +39,7 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
     mesh.loops.foreach_set("vertex_index", triangles)
     mesh.polygons.add(faces)
     mesh.polygons.foreach_set("loop_start", array("i", range(0, 3 * faces, 3)))
-    if bpy.app.version < (4, 1, 0):
-        mesh.polygons.foreach_set("loop_total", array("i", [3]) * faces)
+    versions.count_corners(mesh, faces)
     mesh.polygons.foreach_set("use_smooth", array("b", [1]) * faces)
     if source.has("vx", "vy", "vz"):
         velocity = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
@@ -88,11 +88,7 @@ def _light(*channels: Any) -> array:
 
 def sharpen(mesh: Any) -> None:
     """Show the edges of a solid body, and keep its curved faces smooth."""
-    if hasattr(mesh, "set_sharp_from_angle"):
-        mesh.set_sharp_from_angle(angle=SHARP_ANGLE)
-    else:
-        mesh.use_auto_smooth = True
-        mesh.auto_smooth_angle = SHARP_ANGLE
+    versions.show_edges(mesh, SHARP_ANGLE)
 
 
 def add_object(name: str, mesh: Any, material: Any) -> Any:

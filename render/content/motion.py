@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from render.blender import versions
+
 PLACE = ("location", "rotation_quaternion")
 
 
@@ -19,7 +21,7 @@ def blur(thing: Any, frame: int, exposure: float, place: Callable[[float], None]
             for path in PLACE:
                 thing.keyframe_insert(path, frame=frame + offset)
     if exposure > 0:
-        for curve in thing.animation_data.action.fcurves:
+        for curve in versions.curves(thing):
             for key in curve.keyframe_points:
                 key.interpolation = "LINEAR"
 
@@ -34,4 +36,4 @@ def show_only(thing: Any, seen: bool, frame: int) -> None:
 def forget(thing: Any) -> None:
     """Remove a thing's keyframes. The action stays: to remove one, Blender looks through all that there is."""
     if thing.animation_data is not None:
-        thing.animation_data.action.fcurves.clear()
+        versions.curves(thing).clear()

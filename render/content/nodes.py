@@ -1,20 +1,13 @@
-"""Building shader node trees briefly, for the Blender versions that differ in names."""
+"""Building shader node trees briefly."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from render.blender import versions
 from render.blender.session import bpy
 
-ALIASES = {
-    "Transmission Weight": "Transmission",
-    "Coat Weight": "Clearcoat",
-    "Coat Roughness": "Clearcoat Roughness",
-    "Sheen Weight": "Sheen",
-    "Specular IOR Level": "Specular",
-}
-"""Inputs of the Principled BSDF since Blender 4.0, and what they were called before."""
 TINT = "tint"
 """Name of the meshes' attribute with the colours of the vertices; Cycles would show `color` black."""
 
@@ -38,9 +31,7 @@ class Graph:
     @classmethod
     def new(cls, owner: Any) -> Graph:
         """The empty graph of a new material or world."""
-        owner.use_nodes = True
-        owner.node_tree.nodes.clear()
-        return cls(owner.node_tree)
+        return cls(versions.empty_nodes(owner))
 
     def node(self, kind: str, inputs: Mapping[str, Any] | Mapping[int, Any] | None = None, **properties: Any) -> Any:
         """Add a node; inputs are named, or numbered where names repeat."""
@@ -53,9 +44,7 @@ class Graph:
 
     def feed(self, node: Any, key: str | int, value: Any) -> None:
         """Set or link one input; an input that this Blender does not know is left out."""
-        socket = (
-            node.inputs[key] if isinstance(key, int) else node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
-        )
+        socket = node.inputs[key] if isinstance(key, int) else versions.input_named(node, key)
         if socket is None:
             return
         if isinstance(value, bpy.types.NodeSocket):
@@ -66,7 +55,7 @@ class Graph:
     def override(self, key: str, value: Any) -> None:
         """Set an input of every Principled BSDF, in place of what it was linked to."""
         for node in (node for node in self.tree.nodes if node.type == "BSDF_PRINCIPLED"):
-            socket = node.inputs.get(key) or node.inputs.get(ALIASES.get(key, key))
+            socket = versions.input_named(node, key)
             if socket is not None:
                 for link in socket.links:
                     self.tree.links.remove(link)

@@ -78,7 +78,7 @@ class ClothModel:
         solids = solids or Solids.none()
         self.sheets = sheets
         self.settings = settings
-        starts = np.cumsum([0] + [len(item.fabric.points) for item in sheets])
+        starts = np.cumsum([0] + [len(item.fabric.points) for item in sheets]).tolist()
         self._rows = {item.name: slice(a, b) for item, a, b in zip(sheets, starts, starts[1:], strict=False)}
         self._pinned = [
             part.shifted(start) for item, start in zip(sheets, starts, strict=False) for part in item.pinned

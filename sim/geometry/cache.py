@@ -13,6 +13,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -83,7 +84,7 @@ def _read(entry: Path) -> Arrays | None:
         return None
 
 
-def _write(entry: Path, result: Arrays) -> None:
+def _write(entry: Path, result: dict[str, Any]) -> None:
     temporary = None
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)

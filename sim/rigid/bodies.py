@@ -68,7 +68,7 @@ class RigidBodies:
         self.fluid_driven = np.zeros(self.count, np.int32)
         """1 where a body is to go by its velocity at the end of a step, as fluid that moves it does."""
         row = {name: index for index, name in enumerate(state.names)}
-        for k in np.flatnonzero(self.dynamic):
+        for k in np.flatnonzero(self.dynamic).tolist():
             if self.bodies[k].name in row:
                 for saved, name in SAVED.items():
                     getattr(self, name)[k] = getattr(state, saved)[row[self.bodies[k].name]]

@@ -2,7 +2,7 @@
 
 Set-up of the peer, once:
 
-    .venv/bin/python -m pip install --constraint constraints.txt --editable '.[peers]'
+    .venv/bin/python -m pip install --constraint constraints/3.11.txt --editable '.[peers]'
 
     python -m tests.benchmarks.rigid_peers
     python -m tests.benchmarks.rigid_peers --piles 3 --plot rigid_peers.png

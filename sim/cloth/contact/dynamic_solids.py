@@ -103,10 +103,10 @@ class BodyCoupling:
         self.places, self._centre, self.mass = places, bodies.centre, bodies.mass
         self._path_deviation = bodies.path_deviation
         self.all_meetings, self.meetings, self.taken = bodies.meetings, Meetings.none(), np.zeros(0, int)
-        block = np.empty((self.count, 2, 3, 3))
-        block[:, 0] = bodies.mass[:, None, None] * np.eye(3)
-        block[:, 1] = bodies.inertia
-        block = block.reshape(-1, 3, 3)
+        mass_matrix = np.empty((self.count, 2, 3, 3))
+        mass_matrix[:, 0] = bodies.mass[:, None, None] * np.eye(3)
+        mass_matrix[:, 1] = bodies.inertia
+        block = mass_matrix.reshape(-1, 3, 3)
         self._mobility = dt * dt * np.linalg.inv(block)
         self._reach[1::2] = 0.0
         arms = np.linalg.norm(places - self._centre[self.owner], axis=1)

@@ -32,9 +32,9 @@ class Elastic:
         self, sheets: list[ClothSheet], fabrics: list[Fabric], held: np.ndarray, solids: np.ndarray | None = None
     ):
         """`solids`: points of solids [m], shape [n, 3], which follow those of the cloth."""
-        starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics])
+        starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics]).tolist()
         parts = list(zip(sheets, fabrics, starts, strict=False))
-        self.count = int(starts[-1])
+        self.count = starts[-1]
         self.placed = np.concatenate([fabric.points for fabric in fabrics])
         self.mass = np.concatenate([sheet.mass_per_area * fabric.area for sheet, fabric, _ in parts])
         self.held = held
