@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import runpy
+import importlib
+import sys
 
 import numpy as np
 import pytest
@@ -32,8 +33,9 @@ def test_one_that_is_not_installed_is_refused(monkeypatch):
     absent = dataclasses.replace(COMPILERS["quadrants"], module="no_such_compiler", package="no-such-compiler")
     monkeypatch.setitem(compiler_choice.COMPILERS, "quadrants", absent)
     monkeypatch.setenv(VARIABLE, "quadrants")
+    monkeypatch.delitem(sys.modules, "sim.device.compiler", raising=False)
     with pytest.raises(Refused, match="no-such-compiler is not installed") as refused:
-        runpy.run_module("sim.device.compiler")
+        importlib.import_module("sim.device.compiler")
     assert VARIABLE in refused.value.remedy
 
 
