@@ -2,8 +2,8 @@
 
 import os
 
-for _compiler in ("TAICHI", "QUADRANTS"):
-    os.environ.setdefault(f"ENABLE_{_compiler}_HEADER_PRINT", "0")
+os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
+os.environ.setdefault("ENABLE_QUADRANTS_HEADER_PRINT", "0")
 if "HOME" not in os.environ:
     # As for daemons and batch jobs: without it Taichi aborts when it is imported.
     _home = os.path.expanduser("~")

@@ -17,6 +17,7 @@ from scene.presets import QUALITIES
 from scene.reader import read
 from scene.settings import Refused
 from scene.wedge import MARK, Combination, split
+from sim.device.compiler_choice import chosen
 from workflow.plan import grants
 from workflow.plan.aims import AIMS, Aim, aim_of
 from workflow.plan.jobs import RESULTS, Digests, Job, Plan
@@ -41,6 +42,10 @@ class Catalog(JobLookup):
         for key in config:
             if key not in CONFIG_KEYS:
                 stop(f"--config {key}: unknown setting\n  fix: known here: {', '.join(CONFIG_KEYS)}")
+        try:
+            chosen()
+        except Refused as refused:
+            stop(f"{refused.message}\n  fix: {refused.remedy}")
         self._quality = config.get("quality")
         if self._quality is not None and self._quality not in QUALITIES:
             stop(f"--config quality={self._quality}: no such preset\n  fix: one of {', '.join(QUALITIES)}")

@@ -1,4 +1,4 @@
-"""Taichi: its start, precision, arrays and their declaration, launching and caching of kernels, sums in a fixed order.
+"""The compiler of kernels, Taichi: its choice and start, arrays and argument packs, launching, caching, order of sums.
 
 Imports nothing of `sim`; all of `sim` may import it.
 """

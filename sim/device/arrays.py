@@ -88,7 +88,7 @@ class Particles:
         return array
 
     def bundle(self, kind: Any, **elsewhere: str) -> Any:
-        """The arrays that an argument pack of this `kind` (`ti.types.argpack`) has as members: of the same names, or of
+        """The arrays that an argument pack of this `kind` (`argpack`) has as members: of the same names, or of
         those that are given for them `elsewhere`.
 
         Taichi takes a third of a millisecond to make one, and sorting swaps arrays in turn, so each is kept.

@@ -48,7 +48,7 @@ def install() -> None:
     call = Kernel.__call__
 
     @functools.wraps(call)
-    def launched(kernel: Kernel, *args: object, **options: object) -> object:
+    def launched(kernel: Any, *args: object, **options: object) -> object:
         key = None if options else _key(kernel, args)
         if key is None:
             return call(kernel, *args, **options)

@@ -8,6 +8,7 @@ written.
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 AS_WRITTEN = ("sim.cloth.",)
 """Beginnings of the names of modules. Sums of fluids are long: most of their kernels are faster in any order."""
@@ -22,7 +23,7 @@ def keep_order() -> None:
     call = Kernel.__call__
 
     @functools.wraps(call)
-    def called(kernel: Kernel, *args: object, **options: object) -> object:
+    def called(kernel: Any, *args: object, **options: object) -> object:
         if not kernel.func.__module__.startswith(AS_WRITTEN):
             return call(kernel, *args, **options)
         config = ti.lang.impl.current_cfg()

@@ -11,6 +11,7 @@ import pytest
 
 from scene.settings import Refused
 from sim.device import kernel_cache
+from sim.device.compiler_choice import COMPILERS
 
 ROOT = Path(__file__).resolve().parents[4]
 SCRIPT = """
@@ -42,6 +43,7 @@ def elsewhere(tmp_path, monkeypatch):
 
 
 def test_the_usual_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.device.compiler.compiler", COMPILERS["taichi"])
     monkeypatch.setenv("TI_OFFLINE_CACHE_FILE_PATH", str(tmp_path / "a" / "b"))
     assert kernel_cache.folder() == str(tmp_path / "a" / "b")
 

@@ -7,7 +7,10 @@ import gc
 import numpy as np
 import pytest
 
+from sim.device.compiler_choice import chosen
+
 COUNT = 5
+pytestmark = pytest.mark.skipif(not chosen().relaunch, reason="not with this compiler")
 
 
 @pytest.fixture

@@ -112,6 +112,16 @@ def test_the_plan_covers_every_value(field):
     assert other.plan != job.plan
 
 
+def test_the_compiler_that_is_used_counts(monkeypatch):
+    def told(stage: str) -> str:
+        return plan(fluid=WATER, foam={}).job(stage).versions
+
+    stages = ("simulate", "foam")
+    assert all(told(stage).startswith("versions taichi ") for stage in stages)
+    monkeypatch.setenv("TIDEMILL_COMPILER", "quadrants")
+    assert all(told(stage).startswith("versions quadrants ") and "taichi" not in told(stage) for stage in stages)
+
+
 def test_code_of_cloth_counts_for_scenes_with_cloth_only(tmp_path):
     for package in ("sim", "render", "workflow"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
