@@ -6,7 +6,7 @@ Loads none of them, so a film can be planned by it.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from scene.settings import Refused
@@ -21,6 +21,7 @@ class Compiler:
     `package` is what is installed, `module` what is imported; `compiled` is the attribute of a kernel that holds what
     it has been compiled to. `packs` is how it hands several arguments to a kernel as one, see
     `sim.device.argument_packs`. `relaunch`: calls can be kept and launched again as `sim.device.launching` does.
+    `options` are what it is started with besides those of Taichi.
     """
 
     module: str
@@ -28,11 +29,13 @@ class Compiler:
     packs: Literal["argpack", "dataclass"]
     relaunch: bool = False
     compiled: str = "compiled_kernels"
+    options: dict[str, str] = field(default_factory=dict)
 
 
 COMPILERS = {
     "taichi": Compiler("taichi", "taichi", "argpack", relaunch=True),
-    "taichi_forge": Compiler("taichi_forge", "taichi-forge", "argpack", relaunch=True),
+    # It optimizes little unless told to.
+    "taichi_forge": Compiler("taichi_forge", "taichi-forge", "argpack", options={"compile_tier": "full"}),
     "quadrants": Compiler("quadrants", "quadrants", "dataclass", compiled="materialized_kernels"),
 }
 

@@ -177,15 +177,10 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
             alive.append(weakref.ref(arg, lambda _: _packed.pop(key, None)))
     for offset, (array, needed) in enumerate(arrays):
         _point(program, context, (place + offset,), array, needed)
-    return Packed(_launcher(program, compiled, context), tuple(numbers), _teller(kernel, context), tuple(alive))
-
-
-def _launcher(program: Any, compiled: Any, context: Any) -> Callable[[], None]:
-    """Taichi Forge looks a kernel up and launches it in one."""
-    asked = program.config(), program.get_device_caps(), compiled
-    if hasattr(program, "compile_and_launch_kernel"):
-        return functools.partial(program.compile_and_launch_kernel, *asked, context)
-    return functools.partial(program.launch_kernel, program.compile_kernel(*asked), context)
+    data = program.compile_kernel(program.config(), program.get_device_caps(), compiled)
+    return Packed(
+        functools.partial(program.launch_kernel, data, context), tuple(numbers), _teller(kernel, context), tuple(alive)
+    )
 
 
 def _members(pack: Any) -> list[tuple[Any, Any]]:

@@ -51,6 +51,7 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
                     offline_cache_file_path=kernel_cache.folder(),
                     offline_cache_cleaning_policy="lru",
                     log_level=ti.ERROR,
+                    **compiler.options,
                 )
             argument_packs.amend()
             compilation.watch()
