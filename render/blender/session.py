@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from render.errors import RenderError, Unusable
+from render.program import VARIABLE
 
 DEBIAN_PACKAGES = {
     "libEGL": "libegl1",
@@ -31,7 +32,10 @@ DEBIAN_PACKAGES = {
 def import_remedy(error: ImportError) -> str:
     """Why bpy could not be imported, and what to install."""
     if isinstance(error, ModuleNotFoundError):
-        return "Blender is missing: install the Python package bpy, or name an installed Blender with `blender: PATH`"
+        return (
+            "Blender is missing: install the Python package bpy, which there is for Python 3.11 and 3.13, "
+            f"or name an installed Blender: export {VARIABLE}=PATH"
+        )
     missing = re.search(r"(lib\w+)[\w.+-]*\.so[.\d]*: cannot open shared object file", str(error))
     package = DEBIAN_PACKAGES.get(missing[1]) if missing else None
     if missing is None or package is None:

@@ -25,7 +25,8 @@ def test_a_missing_library_names_its_package(library, package):
 
 def test_other_failures_keep_their_message():
     assert "undefined symbol: foo" in import_remedy(ImportError("undefined symbol: foo"))
-    assert "install the Python package bpy" in import_remedy(ModuleNotFoundError("No module named 'bpy'"))
+    missing = import_remedy(ModuleNotFoundError("No module named 'bpy'"))
+    assert "install the Python package bpy" in missing and "export TIDEMILL_BLENDER=PATH" in missing
 
 
 def test_package_names_are_those_of_debian():
