@@ -1,1 +1,10 @@
 include: "workflow/Snakefile"
+
+
+localrules:
+    all,
+
+
+use rule scenes as all with:
+    message:
+        "Films that can be made"

@@ -49,7 +49,7 @@ def dry_run(snakefile: Path, folder: Path, target: str) -> float:
 
 def project(folder: Path) -> Path:
     """A folder with the sources and one scene; returns its Snakefile."""
-    for name in ("workflow", "sim", "render", "Snakefile"):
+    for name in ("common", "scene", "workflow", "sim", "render", "Snakefile"):
         (folder / name).symlink_to(ROOT / name)
     (folder / "scenes").mkdir()
     (folder / "scenes" / "film.yaml").write_text(SCENE)

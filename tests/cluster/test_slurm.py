@@ -16,7 +16,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 SLURM = ROOT / "tests" / "cluster" / "slurm.sh"
 SCENE = "tiny/splash"
-PARTS = ("Snakefile", "pyproject.toml", "profiles", "workflow", "sim", "render", "scenes/tiny")
+PARTS = ("Snakefile", "pyproject.toml", "profiles", "common", "scene", "workflow", "sim", "render", "scenes/tiny")
 ONE_THREAD = ["--set-threads", "simulate=1", "reconstruct=1", "render=1"]
 ON_ONE_NODE = [
     *("--slurm-no-account", "--slurm-status-command", "squeue", "--slurm-init-seconds-before-status-checks", "3"),

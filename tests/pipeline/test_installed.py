@@ -69,6 +69,7 @@ def test_the_wheel_takes_no_name_but_its_own(wheel):
 
 def test_a_scene_of_ones_own_by_either_command(installed):
     assert "37 frames" in installed.run("tidemill", "check", "first")
+    assert "renders/first" in installed.run("snakemake", "-c", "1")
     for words in (("tidemill", "render", "first", "-n"), ("snakemake", "-n", "renders/first")):
         said = installed.run(*words)
         assert "Film renders/first" in said and str(installed.packages) not in said.partition("Job stats")[2]

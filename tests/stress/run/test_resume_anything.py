@@ -13,7 +13,7 @@ from sim.spec import SimulationSpec
 from tests.stress.any_scene import FRAMES, Draw
 from tests.stress.scenes import contents
 
-FAST = (106, 109, 265)
+FAST = (106, 109)
 """Bodies and cloth by symplectic Euler; water and bodies; water that comes, a body and cloth."""
 SEEDS = [seed if seed in FAST else pytest.param(seed, marks=pytest.mark.slow) for seed in range(100, 300)]
 

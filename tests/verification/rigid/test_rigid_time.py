@@ -69,6 +69,7 @@ def test_what_stops_or_begins_to_roll_does_so_in_time(dt):
     assert bodies.position[0, 0] == pytest.approx(way, abs=2 * bound)
 
 
+@pytest.mark.slow
 def test_a_crate_on_a_turntable_rides_for_ever(simulate):
     """Where w^2 r < mu g: here .92 of it, three turns. Each contact may slip by `contact_error`, 1e-8 m/s."""
     speed, radius, seconds = 3.0, 0.5, 6

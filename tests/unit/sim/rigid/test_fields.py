@@ -93,6 +93,7 @@ def test_features_lie_on_the_surface(name):
         assert np.abs(found + rounding)[~hull_of_a_mesh].max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_mesh_has_all_corners_of_its_hull():
     solid, shape = _contact_shape("mesh")
     points = shape.origin + np.array(shape.features.centre) @ shape.turn.T

@@ -54,7 +54,7 @@ SCENES = {
         "rigid": {"bodies": {"ball": LOOSE}},
     },
 }
-QUICK = ("fluid", "everything")
+QUICK = ("fluid",)
 CODE = (
     "import json, sys; from sim.segment import main; code = main(sys.argv[1:]);"
     "print(json.dumps([module.__file__ for module in sys.modules.values() if getattr(module, '__file__', None)]));"
@@ -77,7 +77,7 @@ def test_a_coupling_counts_for_scenes_with_its_materials(size):
         assert found.intersection(files) == {file for file in files if needed(file) <= materials}
 
 
-@pytest.mark.parametrize("name", ["fluid", "everything", *in_time(*[name for name in SCENES if name not in QUICK])])
+@pytest.mark.parametrize("name", ["fluid", *in_time(*[name for name in SCENES if name not in QUICK])])
 def test_what_a_scene_loads_is_among_what_it_depends_on(tmp_path, name):
     scene = {"fps": 100, **SCENES[name]} | ({"probes": PROBES} if "fluid" in SCENES[name] else {})
     options = ["--spec", json.dumps(scene), "--folder", tmp_path, "--frames", "0:1", "--out", tmp_path / "out"]

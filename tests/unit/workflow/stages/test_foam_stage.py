@@ -76,6 +76,7 @@ def test_bodies_that_can_not_be_read_are_refused(simulation, tmp_path, capsys):
     assert "body_ball.ply is not a mesh" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_segments_go_on_to_the_same_bytes(simulation, tmp_path):
     add_ball(simulation)
     assert make(simulation, tmp_path / "whole") == 0
