@@ -45,14 +45,15 @@ def read_points(path: Path) -> np.ndarray:
     return np.frombuffer(content, layout, count, start)
 
 
-def read_triangles(path: Path) -> np.ndarray:
-    """The faces of a mesh that was written here: indices of vertices, int32, shape [m, 3]; raises as `read_points`."""
+def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices of a mesh that was written here, as `read_points` has them and raising as it does, and its faces:
+    indices of vertices, int32, shape [m, 3]."""
     content = path.read_bytes()
     layout, count, start = _vertices(path, content)
     after = start + count * layout.itemsize
     if (len(content) - after) % _TRIANGLE.itemsize:
         raise BadPly(f"{path} has other faces than triangles")
-    return np.frombuffer(content, _TRIANGLE, offset=after)["vertices"]
+    return np.frombuffer(content, layout, count, start), np.frombuffer(content, _TRIANGLE, offset=after)["vertices"]
 
 
 def _vertices(path: Path, content: bytes) -> tuple[np.dtype, int, int]:

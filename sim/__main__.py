@@ -5,10 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from common.command import as_called, end_with, go_on_unheard
 from scene import assets
 from scene.settings import Refused
+
+if TYPE_CHECKING:
+    from scene.load import Scene
 
 COMMAND = "python -m sim"
 FAILED = 1
@@ -95,18 +99,25 @@ def _add_device(command: argparse.ArgumentParser) -> None:
     command.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
 
 
+def _load(options: argparse.Namespace, quality: str | None) -> Scene:
+    """The scene that the options name; raises SceneError."""
+    from scene.load import load
+    from workflow.plan.shelf import SCENE_FILES
+
+    return load(SCENE_FILES.locate(options.scene), quality=quality, overrides=options.set)
+
+
 def _check(options: argparse.Namespace) -> int:
     from scene.document import SceneError
-    from scene.load import combination_of, load
+    from scene.load import combination_of
     from scene.presets import QUALITIES
     from sim.checks.preview import preview
     from workflow.plan.foreseen import cautions, refuse_panorama
-    from workflow.plan.shelf import SCENE_FILES
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
         for quality in qualities:
-            scene = load(SCENE_FILES.locate(options.scene), quality=quality, overrides=options.set)
+            scene = _load(options, quality)
             try:
                 found = preview(scene.simulation, scene.folder)
                 refuse_panorama(scene)
@@ -127,14 +138,12 @@ def _check(options: argparse.Namespace) -> int:
 
 def _explain(options: argparse.Namespace) -> int:
     from scene.document import SceneError
-    from scene.load import load
     from sim.checks.explain import explain
     from workflow.budget.pilot import PilotFailed
     from workflow.plan.costs import costs, measured
-    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
+        scene = _load(options, options.quality)
         try:
             found = explain(scene.simulation, scene.folder, scene.duration)
         except Refused as refused:
@@ -167,13 +176,11 @@ def _run(options: argparse.Namespace) -> int:
 def _simulate(options: argparse.Namespace) -> int:
     from scene.diagnostics import idle
     from scene.document import SceneError
-    from scene.load import load
     from sim.run.checkpoint import frame_of
     from sim.segment import simulate
-    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
+        scene = _load(options, options.quality)
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED
@@ -209,11 +216,9 @@ def _live(options: argparse.Namespace) -> int:
 def _play(options: argparse.Namespace) -> int:
     from live.serve import serve
     from scene.document import SceneError
-    from scene.load import load
-    from workflow.plan.shelf import SCENE_FILES
 
     try:
-        scene = load(SCENE_FILES.locate(options.scene), quality=options.quality, overrides=options.set)
+        scene = _load(options, options.quality)
     except SceneError as error:
         print(error, file=sys.stderr)
         return REFUSED

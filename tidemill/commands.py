@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from importlib.metadata import version
-from typing import Any
 
 from common.command import go_on_unheard
+from common.registry import load
 from scene.diagnostics.suggestions import suggestion
 
 REFUSED = 2
@@ -30,11 +29,9 @@ class Command:
     """Whether it makes files, which it does to the end though nobody reads any more what it prints."""
 
     def __call__(self, name: str, arguments: Sequence[str]) -> int:
-        module, _, function = self.target.partition(":")
         if self.goes_on:
             go_on_unheard()
-        found: Callable[..., Any] = getattr(import_module(module), function)
-        return found([*self.first, *arguments], self.called or f"tidemill {name}") or 0
+        return load(self.target)([*self.first, *arguments], self.called or f"tidemill {name}") or 0
 
 
 def _of_sim(name: str, help: str) -> Command:

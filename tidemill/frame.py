@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from common.ply import columns, read_points, read_triangles
+from common.ply import columns, read_mesh, read_points
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,8 @@ _BODY = (("x", "y", "z"), ("qw", "qx", "qy", "qz"), ("vx", "vy", "vz"), ("wx", "
 
 
 def _sheet(path: Path) -> Sheet:
-    points = read_points(path)
-    return Sheet(columns(points, "xyz"), columns(points, ("vx", "vy", "vz")), read_triangles(path))
+    points, triangles = read_mesh(path)
+    return Sheet(columns(points, "xyz"), columns(points, ("vx", "vy", "vz")), triangles)
 
 
 def frames(folder: Path | str) -> Iterator[Frame]:

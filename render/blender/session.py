@@ -11,22 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from render.errors import RenderError, Unusable
+from render.libraries import DEBIAN_PACKAGES
 from render.program import VARIABLE
-
-DEBIAN_PACKAGES = {
-    "libEGL": "libegl1",
-    "libGL": "libgl1",
-    "libICE": "libice6",
-    "libSM": "libsm6",
-    "libX11": "libx11-6",
-    "libXext": "libxext6",
-    "libXfixes": "libxfixes3",
-    "libXi": "libxi6",
-    "libXrender": "libxrender1",
-    "libXxf86vm": "libxxf86vm1",
-    "libxkbcommon": "libxkbcommon0",
-}
-"""Debian's name of the package that brings a library which the bpy wheel expects of the system."""
 
 
 def import_remedy(error: ImportError) -> str:

@@ -12,26 +12,15 @@ from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from importlib.util import find_spec
 from pathlib import Path
 
+from render.libraries import DEBIAN_PACKAGES
 from tidemill.doctor.finding import Finding, ok, warning, wrong
 from tidemill.doctor.trial import attempt
 
 OURS = "tidemill"
 MODULES = {"pillow": "PIL", "pyyaml": "yaml", "lxml": "lxml.etree", "scipy": "scipy.spatial"}
 """What packages are imported as, where that is not their name."""
-LIBRARIES = {
-    "libX11.so.6": "libx11-6",
-    "libXrender.so.1": "libxrender1",
-    "libXfixes.so.3": "libxfixes3",
-    "libXi.so.6": "libxi6",
-    "libXxf86vm.so.1": "libxxf86vm1",
-    "libxkbcommon.so.0": "libxkbcommon0",
-    "libSM.so.6": "libsm6",
-    "libICE.so.6": "libice6",
-    "libGL.so.1": "libgl1",
-    "libEGL.so.1": "libegl1",
-    "libgomp.so.1": "libgomp1",
-}
-"""Libraries of the system that wheels need, and the packages of Debian and Ubuntu that have them."""
+LIBRARIES = DEBIAN_PACKAGES | {"libgomp": "libgomp1"}
+"""Libraries of the system that wheels need, without their versions, and the packages of Debian that have them."""
 
 
 def python() -> Finding:
@@ -78,11 +67,12 @@ def _package(name: str, needed: str) -> Finding | None:
 
 
 def _remedy(module: str, reason: str, install: str) -> str:
-    lacking = _lacking(module) or {name for name in LIBRARIES if name in reason}
+    lacking = _lacking(module) or {f"{name}.so" for name in LIBRARIES if f"{name}.so" in reason}
     if not lacking:
         return f"{install} --force-reinstall --no-deps"
-    known = sorted(LIBRARIES[name] for name in lacking if name in LIBRARIES)
-    others = sorted(name for name in lacking if name not in LIBRARIES)
+    found = {name: LIBRARIES.get(name.partition(".so")[0]) for name in lacking}
+    known = sorted(package for package in found.values() if package)
+    others = sorted(name for name, package in found.items() if not package)
     words = [f"on Debian and Ubuntu: sudo apt-get install {' '.join(known)}"] if known else []
     words += [f"install what has {', '.join(others)}"] if others else []
     return "; ".join(words)

@@ -2,7 +2,8 @@
 
 import pytest
 
-from render.blender.session import DEBIAN_PACKAGES, import_remedy
+from render.blender.session import import_remedy
+from render.libraries import DEBIAN_PACKAGES
 
 
 @pytest.mark.parametrize(

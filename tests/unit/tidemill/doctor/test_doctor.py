@@ -99,7 +99,7 @@ def test_a_library_of_the_system_that_is_missing(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setattr(packages, "requires", lambda name: ["frail"])
-    monkeypatch.setattr(packages, "LIBRARIES", {"libusual.so.1": "libusual1"})
+    monkeypatch.setattr(packages, "LIBRARIES", {"libusual": "libusual1"})
     (found,) = packages.packages()
     assert found.state is State.WRONG
     assert "apt-get install libusual1" in found.fix and "libvery_rare.so.9" in found.fix
