@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import shutil
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 
+from render import program
 from sim.device.compiler_choice import chosen
 from tidemill.doctor.finding import Finding, ok, warning, wrong
 from tidemill.doctor.trial import Trial, attempt
@@ -71,22 +74,29 @@ def fonts() -> Finding:
 
 def picture() -> Finding:
     """The stage that renders, on an empty scene: one picture of 64 by 36."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "summary.json").write_text(json.dumps(EXTENT))
-        words: list[str | Path] = [
-            "-m",
-            "render",
-            "--spec",
-            json.dumps(PICTURE),
-            "--simulation",
-            folder,
-            "--frames",
-            "0:0",
-        ]
-        trial = attempt([*words, "--out", folder / "pictures"])
-        if not trial.reason and not (folder / "pictures" / "00000.png").is_file():
-            return wrong("pictures", "Blender ended well and left no picture", REINSTALL + "bpy")
-    if trial.reason:
-        return wrong("pictures", f"Blender does not render: {trial.reason}", "mend what is wrong above first")
-    return ok("pictures", f"Blender renders one, in {trial.seconds:.1f} s")
+    name = program.chosen()
+    if name is None and find_spec("bpy") is None:
+        installed = shutil.which("blender") or "PATH"
+        return wrong(
+            "pictures",
+            "there is no Blender: its package exists for Python 3.11 and 3.13",
+            f"install one of these, or name an installed Blender: export {program.VARIABLE}={installed}",
+        )
+    blender = f"{program.VARIABLE}={name}" if name else "package bpy"
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "summary.json").write_text(json.dumps(EXTENT))
+        pictures = Path(folder, "pictures")
+        words = ["-m", "render", "--spec", json.dumps(PICTURE), "--simulation", folder, "--frames", "0:0"]
+        trial = attempt([*words, "--out", pictures])
+        if trial.reason:
+            return wrong("pictures", f"Blender ({blender}) does not render: {trial.reason}", _mend(name))
+        if not (pictures / "00000.png").is_file():
+            return wrong("pictures", f"Blender ({blender}) ended well and left no picture", _mend(name))
+        found = json.loads((pictures / "summary.json").read_text())["versions"]["blender"]
+    return ok("pictures", f"Blender {found} ({blender}) renders one, in {trial.seconds:.1f} s")
+
+
+def _mend(name: str | None) -> str:
+    if name is None:
+        return f"mend what is wrong above first, or {REINSTALL}bpy"
+    return f"let {program.VARIABLE} name a Blender that runs, or unset it"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
@@ -39,6 +40,8 @@ def test_films_can_be_made_here():
     assert done.returncode == 0, done.stdout
     assert {row["subject"] for row in found["findings"]} >= {"Python", "packages", "simulation", "encoder", "pictures"}
     assert {row["state"] for row in found["findings"]} <= {"ok", "warning"}
+    (picture,) = (row["text"] for row in found["findings"] if row["subject"] == "pictures")
+    assert re.match(r"Blender \d+\.\d+\.\d+.* \(package bpy\) renders one", picture)
 
 
 @pytest.mark.parametrize("check", [packages.python, machine.system, machine.memory, machine.text, stages.encoder])
@@ -103,6 +106,23 @@ def test_a_library_of_the_system_that_is_missing(monkeypatch, tmp_path):
     (found,) = packages.packages()
     assert found.state is State.WRONG
     assert "apt-get install libusual1" in found.fix and "libvery_rare.so.9" in found.fix
+
+
+def test_a_python_without_the_package_of_blender(monkeypatch):
+    """As 3.12: an installed one is named, where there is one."""
+    monkeypatch.delenv("TIDEMILL_BLENDER", raising=False)
+    monkeypatch.setattr(stages, "find_spec", lambda name: None)
+    monkeypatch.setattr(shutil, "which", lambda name: "/usr/bin/blender")
+    found = stages.picture()
+    assert found.state is State.WRONG and "3.11 and 3.13" in found.text
+    assert found.fix.endswith("export TIDEMILL_BLENDER=/usr/bin/blender")
+
+
+def test_a_blender_that_does_not_run_is_named(monkeypatch):
+    monkeypatch.setenv("TIDEMILL_BLENDER", "/no/such/blender")
+    found = stages.picture()
+    assert found.state is State.WRONG and "(TIDEMILL_BLENDER=/no/such/blender) does not render" in found.text
+    assert "unset it" in found.fix
 
 
 def test_a_disk_on_which_nothing_can_be_written(tmp_path):
