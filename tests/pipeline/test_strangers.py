@@ -44,6 +44,7 @@ def private(fresh):
     return folder
 
 
+@pytest.mark.slow
 def test_a_name_is_no_order_and_a_folder_is_read_if_the_user_says_so(fresh, private):
     shape = f"{{type: mesh, file: {private}/stone.obj}}"
     fresh.scene.with_name(f"{NAME}.yaml").write_text(BALL.replace("{type: sphere, radius: 0.1}", shape))

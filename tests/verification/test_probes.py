@@ -73,6 +73,7 @@ def at_rest(tmp_path_factory):
     return read(folder / "out")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "y"), [pair for pair in itertools.product(PLACES, HEIGHTS) if pair[0] == "open" or pair[1] > 0]
 )
@@ -83,6 +84,7 @@ def test_pressure_is_that_of_the_depth_also_at_walls(at_rest, place, y):
     assert found == pytest.approx(RHO * G * (DEPTH - y), abs=0.05 * RHO * G * DEPTH)
 
 
+@pytest.mark.slow
 def test_the_force_on_a_part_is_the_pressure_on_it(at_rest):
     """Between two heights: rho g (H - mean y) over the area of the block's one side that is in water, and in the region
     nothing else; to one of ten layers, which is in the region or not."""

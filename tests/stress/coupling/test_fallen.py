@@ -116,6 +116,7 @@ def test_a_floor_keeps_everything(simulate):
     assert len(read_frame(out, 23)) == 3
 
 
+@pytest.mark.slow
 def test_a_resumed_run_loses_the_same(simulate):
     whole = simulate(spill("dfsph"), 23, "whole", threads=1)
     part = simulate(spill("dfsph"), 20, "part", threads=1)

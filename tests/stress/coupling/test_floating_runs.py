@@ -83,7 +83,7 @@ def test_a_body_that_starts_half_under_water_does_not_leap(simulate, solver):
     assert counts(out)["particles_started"] == pytest.approx((0.4 * 0.3 * 0.4 - 0.1**3 / 2) / 0.02**3, abs=1)
 
 
-@pytest.mark.parametrize("height", [0.3, 0.05], ids=["afloat", "on the ground"])
+@pytest.mark.parametrize("height", [pytest.param(0.3, marks=pytest.mark.slow), 0.05], ids=["afloat", "on the ground"])
 @pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph")])
 def test_the_same_bytes_again_and_resumed(simulate, solver, height):
     def bytes_of(out):
@@ -98,6 +98,7 @@ def test_the_same_bytes_again_and_resumed(simulate, solver, height):
     assert bytes_of(whole.parent / "parts") == bytes_of(whole)
 
 
+@pytest.mark.slow
 def test_events_let_a_body_go_add_one_and_take_one_away(simulate):
     late = {"shape": BOX, "position": [0.1, 0.4, 0.1], "density": 300, "motion": "dynamic"}
     held = box_in_pool("dfsph", 0.4)

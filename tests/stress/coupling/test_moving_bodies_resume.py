@@ -74,6 +74,7 @@ def test_threads_do_not_matter(tmp_path, solver):
         assert contents(outs[0], pattern) == contents(outs[1], pattern)
 
 
+@pytest.mark.slow
 def test_two_parts_of_a_box_on_cloth_beside_a_paddle_are_the_whole(simulate):
     """A paddle that is led to where it is goes on from there: it was struck as if it came from where it was placed."""
     data = {

@@ -26,7 +26,6 @@ def leaks(out, last):
 @pytest.mark.parametrize(
     ("speed", "cfl"),
     [
-        (0.5, 0.8),
         (5.0, 0.4),
         (30.0, 0.8),
         *(pytest.param(speed, cfl, marks=pytest.mark.slow) for speed in (0.5, 5.0, 30.0) for cfl in (0.1, 0.4, 0.8)),

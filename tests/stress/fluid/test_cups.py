@@ -24,6 +24,7 @@ TAP = {
 OTHERS = in_time(("wcsph", 7, 0.7), ("iisph", 7, 0.7), ("pcisph", 5, 0.9))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("solver", "sides", "taper"), [*CUPS, *OTHERS])
 def test_a_cup_runs_over_without_a_frame_repeated(tmp_path, solver, sides, taper):
     """It holds some 3 litres; when 2 have come, nothing but what splashes over its rim is outside it."""

@@ -38,6 +38,7 @@ def heights_at_rest(out, last: int) -> np.ndarray:
     return positions(frame)[:, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("solver", "layers"),
     [("dfsph", 64), *in_time(("wcsph", 64), ("iisph", 64), ("dfsph", 96), ("dfsph", 128), ("iisph", 128))],

@@ -24,6 +24,7 @@ def test_a_strip_that_is_held_at_one_end_comes_to_hang(integrator):
     assert depth == pytest.approx(LENGTH, rel=0.02)
 
 
+@pytest.mark.slow
 def test_sheets_keep_their_thickness_however_fine_they_are():
     """One lies on another, whose points are held."""
     size = {"spacing": CELL, "thickness": THICKNESS, **SOFT}

@@ -144,7 +144,7 @@ ROLLER = {"type": "cylinder", "radius": 0.2, "height": 1.2}
 LYING = [{"axis": [1, 0, 0], "angle": 90}]
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("friction", [0.0, *in_time(0.3)])
 @pytest.mark.parametrize(
     ("shape", "axis"),
     [({"type": "sphere", "radius": 0.2}, 1), pytest.param(ROLLER, 2, marks=pytest.mark.slow)],

@@ -16,6 +16,7 @@ ALL_IN_TIME = pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "iis
 VOLUME = {"sphere": 4 / 3 * np.pi * 0.1**3, "box": 0.24 * 0.12 * 0.24}
 
 
+@pytest.mark.slow
 @ALL_IN_TIME
 def test_a_body_under_water_is_lifted_by_the_weight_of_its_volume(simulate, solver):
     """rho g V (Archimedes); the pool starts without pressure, so that the mean over the later half is taken."""

@@ -155,6 +155,7 @@ def test_a_tank_that_speeds_up_is_one_in_a_tilted_field(simulate, tmp_path, solv
     assert leant[-1] < -a * tau * frames / fps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
 def test_a_can_that_spins_without_friction_leaves_the_water_at_rest(simulate, tmp_path, solver):
     """No stress along the wall, no torque: the angular momentum stays 0, against I omega if the water turned along."""

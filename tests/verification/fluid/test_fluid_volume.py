@@ -70,7 +70,7 @@ def check(data: dict, volume: float, *, within: float = 1.01) -> np.ndarray:
     return points
 
 
-@pytest.mark.parametrize("wall", [0.25, 1, *in_time(0.8, 2)])
+@pytest.mark.parametrize("wall", [0.25, *in_time(0.8, 1, 2)])
 @pytest.mark.parametrize("height", [0.12, 0.124])
 def test_cylinder_of_the_glass_s_radius_fills_it(tmp_path, wall, height):
     water = {"shape": {"type": "cylinder", "radius": RADIUS, "height": height}, "position": [0, height / 2, 0]}
@@ -81,7 +81,7 @@ def test_cylinder_of_the_glass_s_radius_fills_it(tmp_path, wall, height):
     assert -0.45 * D > points[:, 1].max() - height > -0.65 * D
 
 
-@pytest.mark.parametrize("wall", [0.25, 1, *in_time(2)])
+@pytest.mark.parametrize("wall", [0.25, *in_time(1, 2)])
 def test_cylinder_into_the_middle_of_the_wall_stays_in_the_glass(tmp_path, wall):
     water = {"shape": {"type": "cylinder", "radius": RADIUS + wall * D / 2, "height": 0.12}, "position": [0, 0.06, 0]}
     data = scene({"water": water}, {"glass": glass(tmp_path / "glass.ply", wall * D)})
@@ -178,7 +178,7 @@ def test_filled_containers_come_to_rest(tmp_path, container):
 
 
 @pytest.mark.parametrize(
-    ("solver", "lean"), [("wcsph", 0.0), *in_time(("dfsph", 0.0), ("iisph", 0.0), ("wcsph", 0.25), ("wcsph", -0.25))]
+    ("solver", "lean"), [("dfsph", 0.0), *in_time(("wcsph", 0.0), ("iisph", 0.0), ("wcsph", 0.25), ("wcsph", -0.25))]
 )
 def test_a_filled_glass_rests_from_the_start(tmp_path, solver, lean):
     """Nothing gets faster than a fall by one spacing would make it, in upright walls and in such that lean out or in.

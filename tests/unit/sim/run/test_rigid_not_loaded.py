@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.in_time import in_time
+
 ROOT = Path(__file__).resolve().parents[4]
 ALWAYS = {"__init__", "spec"}
 """What settings are read with."""
@@ -43,7 +45,7 @@ CODE = (
 )
 
 
-@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("motion", ["prescribed", "dynamic", *in_time("none", "static")])
 def test_what_a_scene_loads_and_launches(tmp_path, motion):
     spec = json.dumps(SCENE | MOTIONS[motion])
     options = ["--spec", spec, "--folder", tmp_path, "--frames", "0:1", "--out", tmp_path, "--arch", "cpu"]

@@ -91,6 +91,7 @@ def test_segments_go_on_to_the_same_bytes(simulation, tmp_path):
     assert [row["particles"] for row in rows] == [row["spray"] + row["foam"] + row["bubbles"] for row in rows]
 
 
+@pytest.mark.slow
 def test_threads_and_seeds(simulation, tmp_path):
     assert make(simulation, tmp_path / "one") == 0
     assert make(simulation, tmp_path / "two", "0:4", "--threads", "2") == 0

@@ -86,6 +86,7 @@ def test_the_pressure_in_a_drop_is_laplaces(tmp_path, cells):
     assert found == pytest.approx(laplace, rel=0.4)
 
 
+@pytest.mark.slow
 def test_a_drop_oscillates_as_lamb_says(tmp_path):
     """omega^2 = 8 sigma / (rho R^3) for the mode that makes it longer and shorter (Lamb 1932, art. 275). Up to 15 %
     less, and not more: the tension of a surface so curved, R = 8 d, is less than a flat one's."""
@@ -218,6 +219,7 @@ def test_the_work_of_adhesion_is_what_the_setting_says(taichi, walls):
     assert -RHO * (y * a[:, 1]).mean() * H == pytest.approx(SIGMA, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_drop_spreads_further_on_a_plate_that_it_adheres_to(tmp_path):
     """cos theta = W / sigma - 1 (Young, Dupre): at a contact angle of 60 degrees a cap is half as high over its width
     as at 120 degrees. Only the order is tested, and that the drop does not leave the plate."""
