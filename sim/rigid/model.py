@@ -71,8 +71,9 @@ class RigidModel(RigidBodies):
         """Where bodies were when contacts were found, before they moved [m]."""
         self._met = self._moving_as(self.velocity, self.spin, self.momentum, position=self._began)
         # Others of the same bodies: while blows pass on, and while parting.
-        self._blow, self._apart = np.zeros((3, self.count, 3)), np.zeros((3, self.count, 3))
+        self._blow, self._apart = list(np.zeros((3, self.count, 3))), list(np.zeros((3, self.count, 3)))
         self._blown, self._parting = self._moving_as(*self._blow), self._moving_as(*self._apart)
+        self._braked = integers(np.zeros(self.count))
         self.awaits_cloth = False
         """Whether `rebound` is called after each step, with what the cloth did in it."""
 
@@ -158,12 +159,13 @@ class RigidModel(RigidBodies):
     def _bounce(self, dt: float, braked: np.ndarray) -> None:
         """`braked`: bodies that may have been stopped by something else, too."""
         count, tables = self.contacts.count, self.contacts.tables
+        self._braked[:] = braked
         struck = restitution.approach(
             count,
             dt,
             float(np.linalg.norm(self.gravity)),
             tables.gap,
-            integers(braked),
+            self._braked,
             self._velocities,
             self._met,
             tables.pressed,
@@ -180,9 +182,11 @@ class RigidModel(RigidBodies):
 
     def _remember(self, dt: float) -> None:
         count, tables = self.contacts.count, self.contacts.tables
-        place, force = np.zeros((count, 3)), np.zeros((count, 3))
+        place, force = tables.new_place, tables.new_force
+        force[:count] = 0.0
         contact_table.remember(count, dt, tables.struck, self.motion, tables.pressed, place, force)
-        self.contacts.previous = self.contacts.pair_of_contact.astype(np.int32), place, force
+        pair = self.contacts.pair_of_contact.astype(np.int32)
+        self.contacts.previous = pair, place[:count].copy(), force[:count].copy()
 
     def _part(self, dt: float) -> None:
         tables = self.contacts.tables
@@ -201,7 +205,8 @@ class RigidModel(RigidBodies):
             tables.parting_friction,
         )
         if deep:
-            self._apart[:] = 0
+            for array in self._apart:
+                array[:] = 0.0
             count, error = self.contacts.count, PARTING_ERROR * least
             contact_solver.solve(count, PARTING_SWEEPS, error, self._parting, tables.parting)
             free_motion.shift(self.count, dt, self._properties, *self._apart[:2], self.motion)
@@ -294,4 +299,4 @@ class RigidModel(RigidBodies):
     def bytes(self) -> int:
         """Of what grows with bodies and contacts."""
         grids = sum(body.shape.grid.values.nbytes for body in self.bodies if body.shape.grid)
-        return self.contacts.tables.bytes + 4 * self._blow.nbytes + grids
+        return self.contacts.tables.bytes + 12 * self._blow[0].nbytes + grids

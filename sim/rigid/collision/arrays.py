@@ -76,7 +76,9 @@ class ContactTables:
             scale=np.zeros(room),
         )
         self.found = Found(at=_rows(most), out=_rows(most), apart=np.zeros(most), bend=np.zeros(most))
+        self.margin = np.zeros(room)
         self.gap, self.allowed_overlap = np.zeros(most), np.zeros(most)
+        self.new_place, self.new_force = _rows(most), _rows(most)
         self.struck, self.target_velocity = integers(np.zeros(most)), np.zeros(most)
         names = ("restitution", "extra", "slow", "bounce", "blow")
         self.bounces = Bounces(
@@ -103,12 +105,13 @@ class ContactTables:
             previous_force=_rows(room),
         )
 
-    def list_pairs(self, pairs: np.ndarray, surface: np.ndarray, scale: np.ndarray) -> None:
-        """Take n pairs of bodies, shape [n, 2], what their surfaces are to each other, [n, 3], and the sizes of the
-        smaller bodies [m], [n]."""
+    def list_pairs(self, pairs: np.ndarray, surface: np.ndarray, scale: np.ndarray, margin: np.ndarray) -> None:
+        """Take n pairs of bodies, shape [n, 2], what their surfaces are to each other, [n, 3], the sizes of the
+        smaller bodies [m], [n], and how far off contacts are looked for [m], [n]."""
         self.near.pair_body[: pairs.size] = pairs.ravel()
         self.near.surface[: surface.size] = surface.ravel()
         self.near.scale[: len(scale)] = scale
+        self.margin[: len(margin)] = margin
 
     def number_contacts(self, pairs: int) -> np.ndarray:
         """Let the contacts found of so many pairs follow one another; returns how many each has, shape [pairs]."""

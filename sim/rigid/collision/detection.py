@@ -54,10 +54,10 @@ class Detection:
             self.tables = ContactTables(2 * pairs)
         tables = self.tables
         scale = np.minimum(bodies.size[self.pairs[:, 0]], bodies.size[self.pairs[:, 1]])
-        tables.list_pairs(self.pairs, self._surfaces.of(self.pairs), scale)
+        tables.list_pairs(self.pairs, self._surfaces.of(self.pairs), scale, margin)
         near = tables.near
         find_contacts(
-            self._kinds, pairs, near.pair_body, margin, self._shapes, bodies.motion, near.number, tables.found
+            self._kinds, pairs, near.pair_body, tables.margin, self._shapes, bodies.motion, near.number, tables.found
         )
         self.number = tables.number_contacts(pairs).copy()
         count = int(self.number.sum())
