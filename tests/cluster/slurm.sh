@@ -89,7 +89,8 @@ fail)
     ;;
 repair)
     node
-    scontrol update nodename=node state=resume
+    # Refused where the node that registered is back already (ReturnToService).
+    scontrol update nodename=node state=resume 2>/dev/null || true
     until_state '[im]*'
     ;;
 stop)
