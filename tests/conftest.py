@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ from tests import rounding as variants
 ROUNDING = f"""run each test of verification, validation and stress that is chosen once for each of
 {", ".join(variants.VARIANTS)}, which stand for the rounding of another processor: starts displaced by 1e-6 of the
 spacing of particles, two threads, and sums in the order in which they are written; other tests are left out"""
+THIN = "run one in N cases of each test, and at least one: all of the slow tests take a night on two cores"
 SLOWEST = 3600
 """What a slow test may take [s]: a machine that does other things meanwhile should not decide."""
 _shared: list[Callable[[], None]] = []
@@ -23,7 +26,14 @@ _shared: list[Callable[[], None]] = []
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--rounding", action="store_true", help=ROUNDING)
+    parser.addoption("--thin", type=_at_least_one, default=1, metavar="N", help=THIN)
     parser.addoption("--arch", choices=("cpu", "cuda"), default="cpu", help="what simulates within tests (cpu)")
+
+
+def _at_least_one(text: str) -> int:
+    if int(text) < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return int(text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -37,7 +47,8 @@ def pytest_configure(config: pytest.Config) -> None:
         os.sched_setaffinity(0, {processors[int(worker.removeprefix("gw")) % len(processors)]})
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+@pytest.hookimpl(wrapper=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
     if config.getoption("--rounding"):
         rest = [item for item in items if not _simulates(item.path)]
         config.hook.pytest_deselected(items=rest)
@@ -45,6 +56,20 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
             item.add_marker(pytest.mark.timeout(SLOWEST))
+    yield
+    _thin_out(config, items)
+
+
+def _thin_out(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep every N-th case of each test, of those that marks and names have chosen."""
+    seen: Counter[str] = Counter()
+    kept, left = [], []
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        (left if seen[test] % config.getoption("--thin") else kept).append(item)
+        seen[test] += 1
+    config.hook.pytest_deselected(items=left)
+    items[:] = kept
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
