@@ -71,8 +71,9 @@ class RigidModel(RigidBodies):
         """Where bodies were when contacts were found, before they moved [m]."""
         self._met = self._moving_as(self.velocity, self.spin, self.momentum, position=self._began)
         # Others of the same bodies: while blows pass on, and while parting.
-        self._blow, self._apart = list(np.zeros((3, self.count, 3))), list(np.zeros((3, self.count, 3)))
+        self._blow, self._apart = np.zeros((3, self.count, 3)), np.zeros((3, self.count, 3))
         self._blown, self._parting = self._moving_as(*self._blow), self._moving_as(*self._apart)
+        self._shift = tuple(self._apart[:2])
         self._braked = integers(np.zeros(self.count))
         self.awaits_cloth = False
         """Whether `rebound` is called after each step, with what the cloth did in it."""
@@ -135,9 +136,9 @@ class RigidModel(RigidBodies):
         if self.contacts.find(dt):
             gap = self.contacts.tables.gap[: self.contacts.count]
             self.stats["contacts"], self.stats["overlap"] = self.contacts.count, max(-float(gap.min()), 0.0)
-            self._remembered = self._contact_forces(dt)
+            self._remembered = self.contacts.forces(dt)
             self._solve_contacts()
-            self._pressed = self._contact_forces(dt)
+            self._pressed = self.contacts.forces(dt)
         self._began[:] = self.position
         free_motion.move(self.count, dt, *packs)
         self.path_deviation = dt * self.velocity - (self.position - self._began)
@@ -149,12 +150,6 @@ class RigidModel(RigidBodies):
         )
         self.stats["contact_iterations"], self.stats["contact_error"] = sweeps, change
         self.stats["contacts_capped"] = int(change > self.settings.contact_error)
-
-    def _contact_forces(self, dt: float) -> np.ndarray:
-        table, count = self.contacts.tables.table, self.contacts.count
-        return (
-            table["normal_impulse"][:count, None] * table["normal"][:count] + table["friction_impulse"][:count]
-        ) / dt
 
     def _bounce(self, dt: float, braked: np.ndarray) -> None:
         """`braked`: bodies that may have been stopped by something else, too."""
@@ -185,8 +180,8 @@ class RigidModel(RigidBodies):
         place, force = tables.new_place, tables.new_force
         force[:count] = 0.0
         contact_table.remember(count, dt, tables.struck, self.motion, tables.pressed, place, force)
-        pair = self.contacts.pair_of_contact.astype(np.int32)
-        self.contacts.previous = pair, place[:count].copy(), force[:count].copy()
+        pairs = self.contacts.pair_of_contact.astype(np.int32)
+        self.contacts.previous = pairs, place[:count].copy(), force[:count].copy()
 
     def _part(self, dt: float) -> None:
         tables = self.contacts.tables
@@ -205,11 +200,10 @@ class RigidModel(RigidBodies):
             tables.parting_friction,
         )
         if deep:
-            for array in self._apart:
-                array[:] = 0.0
+            self._apart[:] = 0.0
             count, error = self.contacts.count, PARTING_ERROR * least
             contact_solver.solve(count, PARTING_SWEEPS, error, self._parting, tables.parting)
-            free_motion.shift(self.count, dt, self._properties, *self._apart[:2], self.motion)
+            free_motion.shift(self.count, dt, self._properties, *self._shift, self.motion)
 
     def meetings(self, dt: float) -> tuple[np.ndarray, ...] | None:
         """Contacts of the last step, of dt [s], as it left them: pairs of bodies, places [m],
@@ -299,4 +293,4 @@ class RigidModel(RigidBodies):
     def bytes(self) -> int:
         """Of what grows with bodies and contacts."""
         grids = sum(body.shape.grid.values.nbytes for body in self.bodies if body.shape.grid)
-        return self.contacts.tables.bytes + 12 * self._blow[0].nbytes + grids
+        return self.contacts.tables.bytes + 4 * self._blow.nbytes + grids

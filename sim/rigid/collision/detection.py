@@ -99,6 +99,12 @@ class Detection:
         then, now = (pairs[:, 0].astype(np.int64) * self._bodies.count + pairs[:, 1] for pairs in (before, self.pairs))
         return np.column_stack([np.searchsorted(then, now, side=side) for side in ("left", "right")])
 
+    def forces(self, dt: float) -> np.ndarray:
+        """On the first body of each contact, by the impulses of a step of dt [s]: [N], shape [count, 3]."""
+        table, count = self.tables.table, self.count
+        pressing = table["normal_impulse"][:count, None] * table["normal"][:count]
+        return (pressing + table["friction_impulse"][:count]) / dt
+
     @property
     def pair_of_contact(self) -> np.ndarray:
         """Both bodies of each contact, shape [count, 2]."""
