@@ -109,7 +109,7 @@ class Tidemill:
 
     def __init__(self, scene: Scene, *, threads: int = 2, **rigid: float):
         self.part = part(scene.bodies, threads=threads, **rigid)
-        self._free = self.part.free
+        self._dynamic = self.part.dynamic
 
     def advance(self, left: float) -> float:
         dt = min(left, *self.part.step_limits(self.part.measure()).values())
@@ -118,15 +118,15 @@ class Tidemill:
 
     @property
     def places(self) -> np.ndarray:
-        return self.part.position[self._free]
+        return self.part.position[self._dynamic]
 
     @property
     def turns(self) -> np.ndarray:
-        return self.part.rotation[self._free]
+        return self.part.rotation[self._dynamic]
 
     @property
     def velocities(self) -> np.ndarray:
-        return self.part.velocity[self._free]
+        return self.part.velocity[self._dynamic]
 
     @property
     def kinetic_energy(self) -> float:
