@@ -1,6 +1,9 @@
 """The peer's side of the benchmark: the dam break in SPlisHSPlasH.
 
 Runs in the peer's own environment and prints one line of JSON; `dam_break.py` calls it.
+
+The peer makes its volume maps inside `runSimulation`, before the first step, which takes seconds: the clock runs from
+the end of the first step to that of the last. A particle of radius r holds (2 r)^3 of water, as ours do (`mass`).
 """
 
 import argparse
@@ -70,14 +73,19 @@ def main() -> None:
     parser.add_argument("--radius", type=float, required=True, help="particle radius [m]")
     parser.add_argument("--seconds", type=float, required=True, help="simulated time [s]")
     options = parser.parse_args()
-    steps, errors = 0, []
+    ends: list[float] = []
+    iterations: list[int] = []
+    errors: list[float] = []
 
     def look() -> None:
-        nonlocal steps
-        steps += 1
-        if steps % MEASURED_EVERY == 0:
-            fluid = sph.Simulation.getCurrent().getFluidModel(0)
-            density = np.array(fluid.getFieldBuffer("density"), copy=False)
+        ends.append(time.perf_counter())
+        simulation = sph.Simulation.getCurrent()
+        if options.method == "dfsph":
+            solver = simulation.getTimeStep()
+            counters = sph.TimeStepDFSPH.SOLVER_ITERATIONS, sph.TimeStepDFSPH.SOLVER_ITERATIONS_V
+            iterations.append(sum(solver.getValueUInt(counter) for counter in counters))
+        if len(ends) % MEASURED_EVERY == 0:
+            density = np.array(simulation.getFluidModel(0).getFieldBuffer("density"), copy=False)[:particles]
             errors.append(float(np.maximum(density / 1000 - 1, 0).mean()))
 
     with tempfile.TemporaryDirectory() as folder:
@@ -87,11 +95,22 @@ def main() -> None:
         base.init(useGui=False, sceneFile=str(path), outputDir=folder, stopAt=options.seconds)
         base.setTimeStepCB(look)
         base.initSimulation()
-        particles = sph.Simulation.getCurrent().getFluidModel(0).numActiveParticles()
+        model = sph.Simulation.getCurrent().getFluidModel(0)
+        particles, mass = model.numActiveParticles(), model.getMass(0)
         start = time.perf_counter()
         base.runSimulation()
-        wall = time.perf_counter() - start
-    result = {"particles": particles, "steps": steps, "wall": wall, "compression": float(np.mean(errors or [0.0]))}
+    if len(ends) < 2:
+        sys.exit("too short: fewer than two steps")
+    wall = ends[-1] - ends[0]
+    result = {
+        "particles": particles,
+        "mass": mass,
+        "steps": len(ends) - 1,
+        "wall": wall,
+        "before": ends[0] - start - wall / (len(ends) - 1),
+        "iterations": float(np.mean(iterations or [0.0])),
+        "compression": float(np.mean(errors or [0.0])),
+    }
     print("RESULT", json.dumps(result), flush=True)
 
 
