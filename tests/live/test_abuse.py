@@ -275,7 +275,7 @@ def test_the_run_ends_with_the_last_viewer_only_if_asked(stage):
 
 @pytest.mark.parametrize(
     ("actions", "seconds"),
-    [(100, 5), pytest.param(1000, 60, marks=[pytest.mark.slow, pytest.mark.timeout(900)])],
+    [(200, 10), pytest.param(1000, 60, marks=[pytest.mark.slow, pytest.mark.timeout(900)])],
 )
 def test_random_actions_leave_it_whole(stage, page, actions, seconds):
     viewers = [Viewer(page.port), Viewer(page.port)]

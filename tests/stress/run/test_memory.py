@@ -52,7 +52,7 @@ def test_steps_keep_no_memory(simulate, monkeypatch):
     ball = {"shape": {"type": "sphere", "radius": 0.05}, "position": [0, 0.26, 0], "motion": "dynamic"}
     water = {"shape": {"type": "box", "size": [0.4, 0.16, 0.4]}, "position": [0, 0.08, 0]}
     scene = {
-        "fps": 100,
+        "fps": 25,
         "containers": {"tank": {"type": "box", "size": [0.4, 0.4, 0.4]}},
         "fluid": {"solver": "dfsph", "particle_radius": 0.02, "bodies": {"water": water}},
         "rigid": {"bodies": {"ball": ball}},
