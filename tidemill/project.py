@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import sys
+import unicodedata
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -20,11 +21,11 @@ from workflow.plan.shelf import SCENE_FILES
 REFUSED = 2
 TEMPLATE = Path(__file__).with_name("template")
 FIRST = "first"
-"""The scene of the template, which is called as its folder is."""
+"""The scene of the template, called after its folder where that leaves a name."""
 SCHEMA = SCENE_FILES.folder / "schema.json"
 PROFILE = Path("profiles", "default", "config.yaml")
-PLAIN = re.compile(r"[A-Za-z0-9_-]+")
-"""Names that need no quotes in any shell."""
+NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
+"""What a name that needs no quotes in any shell cannot hold."""
 
 
 class CannotMake(Exception):
@@ -97,6 +98,12 @@ def add(scene: Path, folder: Path) -> str:
     return scene.relative_to(shelf).with_suffix("").as_posix()
 
 
+def plain(name: str) -> str:
+    """A name without accents and spaces, for scenes: "Été à deux" becomes "Ete_a_deux". Empty if nothing is left."""
+    letters = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return NOT_PLAIN.sub("_", letters).strip("_-")
+
+
 def _beside(scene: Path, shelf: Path) -> Iterator[Path]:
     """Files that a scene names, without those of packages."""
     loaded = load(scene)
@@ -107,8 +114,7 @@ def _beside(scene: Path, shelf: Path) -> Iterator[Path]:
 
 
 def _add_first(folder: Path) -> str:
-    called = folder.resolve().name
-    name = called if PLAIN.fullmatch(called) else FIRST
+    name = plain(folder.resolve().name) or FIRST
     shutil.copyfile(TEMPLATE / SCENE_FILES.folder / f"{FIRST}.yaml", folder / SCENE_FILES.folder / f"{name}.yaml")
     return name
 

@@ -68,11 +68,11 @@ def test_the_wheel_takes_no_name_but_its_own(wheel):
 
 
 def test_a_scene_of_ones_own_by_either_command(installed):
-    assert "37 frames" in installed.run("tidemill", "check", "first")
-    assert "renders/first" in installed.run("snakemake", "-c", "1")
-    for words in (("tidemill", "render", "first", "-n"), ("snakemake", "-n", "renders/first")):
+    assert "37 frames" in installed.run("tidemill", "check", "mon_film")
+    assert "renders/mon_film" in installed.run("snakemake", "-c", "1")
+    for words in (("tidemill", "render", "mon_film", "-n"), ("snakemake", "-n", "renders/mon_film")):
         said = installed.run(*words)
-        assert "Film renders/first" in said and str(installed.packages) not in said.partition("Job stats")[2]
+        assert "Film renders/mon_film" in said and str(installed.packages) not in said.partition("Job stats")[2]
 
 
 def test_a_scene_that_comes_with_it(installed):
@@ -83,14 +83,14 @@ def test_a_scene_that_comes_with_it(installed):
 @pytest.mark.slow
 def test_a_film_from_an_installation_that_cannot_be_written_to(installed):
     before = sorted(installed.packages.rglob("*"))
-    scene = installed.folder / "scenes" / "first.yaml"
+    scene = installed.folder / "scenes" / "mon_film.yaml"
     small = scene.read_text().replace("duration: 1.5\nfps: 24\n", "duration: 0.5\nfps: 8\n").replace("12 mm", "50 mm")
     scene.write_text(small.replace("render:\n", "render:\n  resolution: [64, 36]\n  samples: 1\n"))
-    installed.run("tidemill", "render", "first", "-c", "2")
-    made = installed.folder / "renders" / "first"
-    assert {"first.mp4", "contact.png", "plots.png", "summary.json"} <= {path.name for path in made.iterdir()}
-    assert "the film is in renders/first" in installed.run("tidemill", "status", "first")
-    assert "Nothing to be done" in installed.run("snakemake", "--cores", "2", "renders/first")
-    installed.run("tidemill", "export", "first", "--out", "first.usdc")
-    installed.run("tidemill", "preview", "first", "--out", "picture.png")
+    installed.run("tidemill", "render", "mon_film", "-c", "2")
+    made = installed.folder / "renders" / "mon_film"
+    assert {"mon_film.mp4", "contact.png", "plots.png", "summary.json"} <= {path.name for path in made.iterdir()}
+    assert "the film is in renders/mon_film" in installed.run("tidemill", "status", "mon_film")
+    assert "Nothing to be done" in installed.run("snakemake", "--cores", "2", "renders/mon_film")
+    installed.run("tidemill", "export", "mon_film", "--out", "mon_film.usdc")
+    installed.run("tidemill", "preview", "mon_film", "--out", "picture.png")
     assert sorted(installed.packages.rglob("*")) == before, "root may write there, and did"

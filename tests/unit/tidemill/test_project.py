@@ -23,7 +23,16 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(("name", "scene"), [("film", "film"), ("mes films d'été", "first"), ("a/b/shot_3", "shot_3")])
+@pytest.mark.parametrize(
+    ("name", "scene"),
+    [
+        ("film", "film"),
+        ("a/b/shot_3", "shot_3"),
+        ("mes films d'été", "mes_films_d_ete"),
+        ("_-films-_", "films"),
+        ("映画", "first"),
+    ],
+)
 def test_a_folder_with_a_first_scene(folder, name, scene, capsys):
     assert new(name) == 0
     found = sorted(path.relative_to(folder / name).as_posix() for path in (folder / name).rglob("*") if path.is_file())
