@@ -74,6 +74,11 @@ def middle(runs: list[Found], name: str) -> float:
     return float(np.median([one.values[name] for one in runs]))
 
 
+def middles(found: Runs, name: str) -> tuple[float, float]:
+    ours, peer = found
+    return middle(ours, name), middle(peer, name)
+
+
 def row(name: str, ours: float, peer: float, bound: str = "", truth: float | None = None) -> None:
     difference = f"{ours / peer - 1:+.2%}" if bound else ""
     errors = f"{ours / truth - 1:+.2%}, {peer / truth - 1:+.2%}" if truth else ""
@@ -89,15 +94,15 @@ def speed(name: str, found: Runs) -> None:
 
 
 def balls(name: str, found: Runs, slope: float, friction: float) -> None:
-    row(f"ball {name}: way [m]", *(middle(runs, "way") for runs in found), "1 %", way(slope, friction, ROLLS))
+    row(f"ball {name}: way [m]", *middles(found, "way"), "1 %", way(slope, friction, ROLLS))
     speed(f"ball {name}", found)
 
 
 def rows_of_dominoes(found: Runs) -> None:
     theory = wave(arrivals(ROW, START, SEEN))
     for name, key, bound in [("speed [m/s]", "speed", "1.3 %"), ("last struck at [s]", "last", "1 %")]:
-        row(f"dominoes: {name}", *(middle(runs, key) for runs in found), bound, theory[key])
-    row("dominoes: deepest overlap [m]", *(middle(runs, "overlap") for runs in found))
+        row(f"dominoes: {name}", *middles(found, key), bound, theory[key])
+    row("dominoes: deepest overlap [m]", *middles(found, "overlap"))
     speed("dominoes", found)
 
 
@@ -113,7 +118,7 @@ def heaps(found: Runs) -> None:
         (f"overlap at rest [m], of {EDGE} m", "overlap"),
         ("deepest overlap ever [m]", "deepest"),
     ]:
-        row(f"heaps: {name}", *(middle(runs, key) for runs in found))
+        row(f"heaps: {name}", *middles(found, key))
     speed("heaps", found)
 
 

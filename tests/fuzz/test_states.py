@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -46,24 +49,27 @@ def state(tmp_path_factory) -> Path:
     return out / "state_00001.npz"
 
 
-@pytest.fixture
-def survives(tmp_path, survived):
-    """Loads a state; anything but Refused fails the test, and so do numbers that are not finite."""
-    path = tmp_path / "state_00001.npz"
+@dataclass
+class Survives:
+    path: Path
+    survived: Callable[..., AbstractContextManager[None]]
 
-    def check(content: bytes | None = None) -> None:
+    def __call__(self, content: bytes | None = None) -> None:
         if content is not None:
-            path.write_bytes(content)
-        with survived(Refused):
-            frame_of(path)
-            found = Checkpoint.load(path, SPEC)
+            self.path.write_bytes(content)
+        with self.survived(Refused):
+            frame_of(self.path)
+            found = Checkpoint.load(self.path, SPEC)
             assert found.clock.frame >= 0
             assert np.isfinite([found.clock.time, found.clock.last_step, found.clock.step_scale]).all()
             assert np.isfinite(found.origin).all()
             assert all(np.isfinite(values).all() for values in found._arrays().values())
 
-    check.path = path
-    return check
+
+@pytest.fixture
+def survives(tmp_path, survived):
+    """Loads a state; anything but Refused fails the test, and so do numbers that are not finite."""
+    return Survives(tmp_path / "state_00001.npz", survived)
 
 
 def test_bytes(state, survives):

@@ -11,7 +11,7 @@ LOW = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]])
 HIGH = np.array([[0.2, 0.5, 0.2], [0.4, 0.6, 0.2], [0.2, 0.7, 0.4]])
 
 
-def _moved(shift):
+def _moved(shift) -> tuple[np.ndarray, np.ndarray]:
     before = np.concatenate([LOW, HIGH])
     return before, np.concatenate([LOW, HIGH + shift])
 

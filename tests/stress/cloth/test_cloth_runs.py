@@ -77,7 +77,7 @@ def test_frames_hold_meshes_with_velocities(simulate):
     import trimesh
 
     out = simulate(scene(), 3, "out")
-    mesh = trimesh.load(out / "cloth_sheet_00003.ply", process=False)
+    mesh = trimesh.load_mesh(out / "cloth_sheet_00003.ply", process=False)
     data = mesh.metadata["_ply_raw"]["vertex"]["data"]
     assert len(mesh.vertices) == 81
     assert np.isfinite([data[name] for name in ("vx", "vy", "vz")]).all()

@@ -18,7 +18,7 @@ def test_what_is_written_can_be_read(tmp_path, colors, vertex_size):
     content = path.read_bytes()
     assert len(content.partition(b"end_header\n")[2]) == 3 * vertex_size + 13
     assert (b"property uchar red" in content) == (colors is not None)
-    mesh = trimesh.load(path, process=False)
+    mesh = trimesh.load_mesh(path, process=False)
     assert (mesh.vertices == VERTICES).all()
     assert (mesh.faces == FACES).all()
     if colors is not None:

@@ -186,7 +186,7 @@ def test_a_filled_glass_rests_from_the_start(tmp_path, solver, lean):
     flung it up at four times that speed."""
     height = 0.0985
     body = glass(tmp_path / "glass.ply", 3 * D)
-    mesh = trimesh.load(tmp_path / "glass.ply")
+    mesh = trimesh.load_mesh(tmp_path / "glass.ply")
     mesh.vertices[:, [0, 2]] *= 1 + lean * mesh.vertices[:, 1:2] / height
     mesh.export(tmp_path / "glass.ply")
     radius = RADIUS * (1 + max(lean, 0.0)) + D / 2

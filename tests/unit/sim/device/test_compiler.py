@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,10 +57,10 @@ def test_packs_without_argpack_look_the_same(monkeypatch):
     from sim.device.double import Integers, Numbers
 
     monkeypatch.setattr(argument_packs, "compiler", COMPILERS["quadrants"])
-    kind = argument_packs.argpack(size=Integers, value=Numbers)
-    assert dataclasses.is_dataclass(kind)
+    kind: Any = argument_packs.argpack(size=Integers, value=Numbers)
     assert kind.members == {"size": Integers, "value": Numbers}
     size, value = np.zeros(2, np.int32), np.ones(3)
     for pack in (kind(size, value), kind(value=value, size=size)):
         assert [name for name, _ in pack.items] == ["size", "value"]
         assert pack.size is pack["size"] is size and pack.value is value
+        assert dataclasses.is_dataclass(pack)

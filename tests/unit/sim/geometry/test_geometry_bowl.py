@@ -19,7 +19,7 @@ NAMES = ("bowl", "water")
 
 @pytest.fixture(scope="module")
 def meshes():
-    return {name: trimesh.load(MODELS / f"{name}.ply", process=False) for name in NAMES}
+    return {name: trimesh.load_mesh(MODELS / f"{name}.ply", process=False) for name in NAMES}
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def script():
 def test_the_script_makes_the_meshes_that_lie_beside_it(meshes, script, tmp_path):
     script["main"](["--out", str(tmp_path)])
     for name in NAMES:
-        again = trimesh.load(tmp_path / f"{name}.ply", process=False)
+        again = trimesh.load_mesh(tmp_path / f"{name}.ply", process=False)
         assert (again.faces == meshes[name].faces).all()
         assert again.vertices == pytest.approx(meshes[name].vertices, abs=1e-6)
 

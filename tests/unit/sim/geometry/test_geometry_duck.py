@@ -17,7 +17,7 @@ SPACING = 0.0123
 
 @pytest.fixture(scope="module")
 def duck():
-    return trimesh.load(MODELS / "duck.ply", process=False)
+    return trimesh.load_mesh(MODELS / "duck.ply", process=False)
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def script():
 
 def test_the_script_makes_the_mesh_that_lies_beside_it(duck, script, tmp_path):
     script["main"](["--out", str(tmp_path / "duck.ply")])
-    again = trimesh.load(tmp_path / "duck.ply", process=False)
+    again = trimesh.load_mesh(tmp_path / "duck.ply", process=False)
     assert (again.faces == duck.faces).all()
     assert again.vertices == pytest.approx(duck.vertices, abs=1e-5)
     assert (again.visual.vertex_colors == duck.visual.vertex_colors).all()

@@ -135,7 +135,7 @@ def write_ramp(path):
 def test_up_axis_becomes_y_without_mirroring(tmp_path, up, point_in_file):
     path = tmp_path / "ramp.ply"
     volume = write_ramp(path)
-    file = trimesh.load(path, process=False)
+    file = trimesh.load_mesh(path, process=False)
     mesh, _ = load_mesh(MeshFile(type="mesh", file="ramp.ply", up=up), path)
     assert mesh.volume == pytest.approx(volume)
     assert np.ptp(mesh.vertices[:, 1]) == pytest.approx(np.ptp(file.vertices @ point_in_file))

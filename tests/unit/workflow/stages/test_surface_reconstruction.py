@@ -129,7 +129,7 @@ def test_the_stage_writes_meshes_and_a_summary(tmp_path):
     assert summary["status"] == "done"
     assert {"import", "load", "splashsurf", "write", "total"} <= set(summary["wall_s"])
     full, empty = summary["frames"]
-    mesh = trimesh.load(tmp_path / "out" / "surface_00007.ply", process=False)
+    mesh = trimesh.load_mesh(tmp_path / "out" / "surface_00007.ply", process=False)
     assert mesh.is_watertight
     assert len(mesh.vertices) == full["vertices"]
     assert mesh.volume == pytest.approx(full["volume"], rel=1e-5)

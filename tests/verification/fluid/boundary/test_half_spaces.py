@@ -566,4 +566,4 @@ def test_particles_around_an_edge_of_a_thick_body_are_neighbours(tmp_path, kind)
     x, pairs = pairs_of(solids_of(tmp_path, {"block": {"shape": shape}}), points)
     distance = np.linalg.norm(x[:, None] - x, axis=2)
     assert len(pairs) == pytest.approx((distance < H).sum() - len(x), abs=2)
-    assert crosses(*x[pairs].swapaxes(0, 1), half).sum() > 100
+    assert crosses(x[pairs[:, 0]], x[pairs[:, 1]], half).sum() > 100
