@@ -4,14 +4,22 @@ They are moved on by as much of the step as they could need at least to come so 
 stay apart stays apart.
 """
 
+from typing import Any
+
 from sim.cloth.contact.detection.proximity import nearest
 from sim.device.compiler import ti
-from sim.device.double import vec3
+from sim.device.double import vec3, vec4
 
 ROUNDS = 64
 """Of advancement; what has not come to an end by then counts as near."""
 ENOUGH = 0.02
 """Of the distance to be kept: primitives that come so much nearer than it asks to within this share have arrived."""
+
+Approach: Any = ti.types.struct(
+    start=ti.f64, start_weight=vec4, start_apart=vec3, time=ti.f64, weight=vec4, apart=vec3, narrow=ti.i32
+)
+"""Distance [m] and nearest points (`proximity.Nearest`) at the start; the share of the displacements after which
+primitives are near, above 1 if never, and the nearest points then; whether they come too near."""
 
 
 @ti.func
@@ -28,7 +36,7 @@ def span(edges: ti.template(), dp: vec3, dq: vec3, dr: vec3, ds: vec3) -> ti.f64
 
 
 @ti.func
-def time_of_nearness(
+def approach(
     edges: ti.template(),
     p: vec3,
     q: vec3,
@@ -38,18 +46,35 @@ def time_of_nearness(
     dq: vec3,
     dr: vec3,
     ds: vec3,
-    distance: ti.f64,
-) -> ti.f64:
-    """The share of the displacements after which primitives are `distance` [m] apart or less; above 1 if never."""
+    thickness: ti.f64,
+    early: ti.f64,
+    least: ti.f64,
+) -> Approach:
+    """How primitives come near each other while their points are displaced: near at `early` of `thickness` [m], too
+    near at `least` of it, or of the distance at the start where that is less.
+
+    One loop looks for both: what is inlined here is most of what a kernel takes to compile."""
     displacement = span(edges, dp, dq, dr, ds)
-    time, near, rounds = ti.cast(0.0, ti.f64), 0, 0
-    while near == 0 and time <= 1.0:
-        apart = nearest(edges, p + time * dp, q + time * dq, r + time * dr, s + time * ds).apart.norm()
+    found = Approach(time=2.0, narrow=0)
+    limit, time = early * thickness, ti.cast(0.0, ti.f64)
+    near, rounds, going = 0, 0, 1
+    while going == 1:
+        there = nearest(edges, p + time * dp, q + time * dq, r + time * dr, s + time * ds)
+        distance = there.apart.norm()
+        if near == 0 and rounds == 0:
+            found.start_weight, found.start_apart, found.start = there.weight, there.apart, distance
         rounds += 1
-        if apart <= (1.0 + ENOUGH) * distance or rounds > ROUNDS:
-            near = 1
-        elif displacement * (1.0 - time) <= apart - distance:
-            time = 2.0
+        if distance <= (1.0 + ENOUGH) * limit or rounds > ROUNDS:
+            if near == 1:
+                found.narrow = 1
+                going = 0
+            else:
+                found.time, found.weight, found.apart = time, there.weight, there.apart
+                limit = least * ti.min(thickness, found.start)
+                near, rounds = 1, 0
+        elif displacement * (1.0 - time) <= distance - limit:
+            going = 0
         else:
-            time += (apart - distance) / displacement
-    return time
+            time += (distance - limit) / displacement
+            going = int(time <= 1.0)
+    return found

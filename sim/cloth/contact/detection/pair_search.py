@@ -64,8 +64,8 @@ class PairSearch:
         while True:
             search.find_near(
                 self.edges,
-                self.itself,
-                self._crowding is not None,
+                int(self.itself),
+                int(self._crowding is not None),
                 self._queries,
                 self._room,
                 early,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.cloth.contact.detection.ccd import time_of_nearness
+from sim.cloth.contact.detection.ccd import approach
 from sim.cloth.contact.detection.proximity import nearest
 from sim.cloth.fabric.layout import Weights
 from sim.device.argument_packs import argpack
@@ -34,8 +34,8 @@ SweptPoints: Any = argpack(half=Numbers, start=Vectors, end=Vectors, rest=Vector
 @ti.kernel
 def find_near(
     edges: ti.template(),
-    itself: ti.template(),
-    crowded: ti.template(),
+    itself: ti.i32,
+    crowded: ti.i32,
     queries: ti.i32,
     room: ti.i32,
     early: ti.f64,
@@ -56,7 +56,7 @@ def find_near(
         lower = ti.min(ti.min(points.start[i], points.end[i]), ti.min(points.start[j], points.end[j])) - points.half[i]
         upper = ti.max(ti.max(points.start[i], points.end[i]), ti.max(points.start[j], points.end[j])) + points.half[i]
         count, node = 0, ti.select(tree.primitives > 0, 1, 0)
-        if ti.static(itself):
+        if itself == 1 and node > 0:
             node = next_node(tree.leaves + k)
         while node > 0:
             inside = meet(lower, upper, tree.low[node], tree.high[node])
@@ -70,39 +70,31 @@ def find_near(
                     if ti.static(edges):
                         c, d = tree.member[2 * t], tree.member[2 * t + 1]
                         disjoint = int(i != c and i != d and j != c and j != d)
-                        if ti.static(itself) and c < i:
+                        if itself == 1 and c < i:
                             a, b, c, d = c, d, i, j
                     else:
                         b, c, d = tree.member[3 * t], tree.member[3 * t + 1], tree.member[3 * t + 2]
                         disjoint = int(i != b and i != c and i != d)
                     if disjoint:
                         thickness = points.half[a] + points.half[c]
-                        if ti.static(crowded):
+                        if crowded == 1:
                             apart = nearest(
                                 edges, points.rest[a], points.rest[b], points.rest[c], points.rest[d]
                             ).apart.norm()
                             thickness = ti.min(thickness, at_rest * apart)
                         pa, pb, pc, pd = points.start[a], points.start[b], points.start[c], points.start[d]
                         da, db, dc, dd = points.end[a] - pa, points.end[b] - pb, points.end[c] - pc, points.end[d] - pd
-                        share = time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, early * thickness)
-                        if share <= 1.0:
+                        met = approach(edges, pa, pb, pc, pd, da, db, dc, dd, thickness, early, least)
+                        if met.time <= 1.0:
                             if count < room:
                                 slot = k * room + count
-                                at_start = nearest(edges, pa, pb, pc, pd).apart.norm()
-                                then = nearest(
-                                    edges, pa + share * da, pb + share * db, pc + share * dc, pd + share * dd
-                                )
-                                distance = then.apart.norm()
                                 hits.corner[4 * slot] = a
                                 hits.corner[4 * slot + 1] = b
                                 hits.corner[4 * slot + 2] = c
                                 hits.corner[4 * slot + 3] = d
-                                hits.weight[slot] = then.weight
-                                hits.toward[slot] = then.apart / ti.max(distance, 1e-30)
-                                kept = least * ti.min(thickness, at_start)
-                                hits.narrow[slot] = int(
-                                    time_of_nearness(edges, pa, pb, pc, pd, da, db, dc, dd, kept) <= 1.0
-                                )
+                                hits.weight[slot] = met.weight
+                                hits.toward[slot] = met.apart / ti.max(met.apart.norm(), 1e-30)
+                                hits.narrow[slot] = met.narrow
                             count += 1
                 node = next_node(node)
         hits.hit_count[k] = count
