@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from scene.settings import Refused
 from sim.device.compiler_choice import VARIABLE, chosen
+from sim.device.tracing import memoize
 
 compiler = chosen()
 
@@ -25,6 +26,9 @@ else:
             f"the compiler {compiler.package} is not installed",
             remedy=f"install it beside Tidemill, or leave {VARIABLE} out",
         ) from None
+
+if compiler.memoize:
+    memoize(ti)
 
 
 def compiled(kernel: Any) -> dict:

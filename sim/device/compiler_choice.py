@@ -20,7 +20,8 @@ class Compiler:
 
     `package` is what is installed, `module` what is imported; `compiled` is the attribute of a kernel that holds what
     it has been compiled to. `packs` is how it hands several arguments to a kernel as one, see
-    `sim.device.argument_packs`. `relaunch`: calls can be kept and launched again as `sim.device.launching` does.
+    `sim.device.argument_packs`. `relaunch`: calls can be kept and launched again as `sim.device.launching` does;
+    `memoize`: what it does in Python for each kernel can be done once, as by `sim.device.tracing`.
     `options` are what it is started with besides those of Taichi.
     """
 
@@ -28,12 +29,13 @@ class Compiler:
     package: str
     packs: Literal["argpack", "dataclass"]
     relaunch: bool = False
+    memoize: bool = False
     compiled: str = "compiled_kernels"
     options: dict[str, str] = field(default_factory=dict)
 
 
 COMPILERS = {
-    "taichi": Compiler("taichi", "taichi", "argpack", relaunch=True),
+    "taichi": Compiler("taichi", "taichi", "argpack", relaunch=True, memoize=True),
     # It optimizes little unless told to.
     "taichi_forge": Compiler("taichi_forge", "taichi-forge", "argpack", options={"compile_tier": "full"}),
     "quadrants": Compiler("quadrants", "quadrants", "dataclass", compiled="materialized_kernels"),

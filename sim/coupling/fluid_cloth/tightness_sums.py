@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sim.cloth.contact.detection.ccd import time_of_nearness
+from sim.cloth.contact.detection.ccd import Approach, approach
 from sim.cloth.contact.detection.proximity import point_triangle
 from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, real
@@ -23,13 +23,14 @@ Hits: Any = argpack(struck=Integers, weight=Vectors)
 
 
 @ti.func
-def _beside(x: vec3, moved: vec3, a: vec3, b: vec3, c: vec3, da: vec3, db: vec3, dc: vec3, gap: ti.f64) -> vec3:
+def _beside(
+    x: vec3, moved: vec3, a: vec3, b: vec3, c: vec3, da: vec3, db: vec3, dc: vec3, met: Approach, gap: ti.f64
+) -> vec3:
     """Where a particle from x, that would be at `moved`, may be after the step beside a triangle that moves: on its
     side, `gap` [m] off; or, where it is not above the triangle, carried with what is nearest of it."""
-    at_start = point_triangle(x, a, b, c)
-    weight = -vec3(at_start.weight[1], at_start.weight[2], at_start.weight[3])
+    weight = -vec3(met.start_weight[1], met.start_weight[2], met.start_weight[3])
     side = ti.cast(1.0, ti.f64)
-    if at_start.apart.dot((b - a).cross(c - a)) < 0.0:
+    if met.start_apart.dot((b - a).cross(c - a)) < 0.0:
         side = -side
     p, q, r = a + da, b + db, c + dc
     normal = side * (q - p).cross(r - p).normalized()
@@ -79,11 +80,11 @@ def keep(
                         j, k, m = triangles.member[3 * t], triangles.member[3 * t + 1], triangles.member[3 * t + 2]
                         a, b, c = start[j], start[k], start[m]
                         da, db, dc = place[j] - a, place[k] - b, place[m] - c
-                        least = NEARER * ti.min(gap, point_triangle(before, a, b, c).apart.norm())
-                        if time_of_nearness(False, before, a, b, c, after - before, da, db, dc, least) <= 1.0:
+                        met = approach(False, before, a, b, c, after - before, da, db, dc, gap, 1.0, NEARER)
+                        if met.narrow == 1:
                             hit = t
                             again = 1
-                            after = _beside(before, after, a, b, c, da, db, dc, gap)
+                            after = _beside(before, after, a, b, c, da, db, dc, met, gap)
                             nearest = point_triangle(after, a + da, b + db, c + dc)
                             weight = -vec3(nearest.weight[1], nearest.weight[2], nearest.weight[3])
                     node = next_node(node)
