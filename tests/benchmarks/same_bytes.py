@@ -24,6 +24,10 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tests.benchmarks.earlier import earlier  # noqa: E402
+
 EXACT = """
 import runpy
 from sim.device import summation
@@ -80,20 +84,13 @@ def main() -> int:
     parser.add_argument("--exact-math", action="store_true", help="add in the order in which sums are written")
     options = parser.parse_args()
     differing = 0
-    with tempfile.TemporaryDirectory() as name:
-        before = Path(name) / "before"
-        subprocess.run(
-            ["git", "worktree", "add", "--quiet", "--detach", before, options.revision], cwd=ROOT, check=True
-        )
-        try:
-            for scene in options.scenes:
-                scene = scene.resolve().relative_to(ROOT)
-                old, new = results(before, scene, options), results(ROOT, scene, options)
-                wrong = sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))
-                differing += bool(wrong)
-                print(f"{scene}: {f'differs in {wrong}' if wrong else f'{len(new)} the same'}", flush=True)
-        finally:
-            subprocess.run(["git", "worktree", "remove", "--force", before], cwd=ROOT, check=True)
+    with earlier(options.revision) as before:
+        for scene in options.scenes:
+            scene = scene.resolve().relative_to(ROOT)
+            old, new = results(before, scene, options), results(ROOT, scene, options)
+            wrong = sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))
+            differing += bool(wrong)
+            print(f"{scene}: {f'differs in {wrong}' if wrong else f'{len(new)} the same'}", flush=True)
     return 1 if differing else 0
 
 

@@ -13,7 +13,6 @@ import argparse
 import csv
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,10 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+
+from tests.benchmarks.earlier import change, earlier  # noqa: E402
+
 LOADING = 3
 """Steps at the beginning that do not count."""
 UNITS = {"cost": "s a simulated second", "steps": "steps in it", "rest": "s beside steps", "bytes": "bytes"}
@@ -59,27 +62,16 @@ def main() -> None:
     parser.add_argument("--turns", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        before = Path(name) / "before"
-        subprocess.run(["git", "worktree", "add", "--detach", before, options.revision], cwd=ROOT, check=True)
-        try:
-            for scene in options.scenes:
-                told = {before: [], ROOT: []}
-                for turn in range(options.turns + 1):
-                    for tree in list(told)[:: 1 if turn % 2 else -1]:
-                        told[tree].append(run(tree, scene, options))
-                print(scene)
-                for key, unit in UNITS.items():
-                    old, new = ([one[key] for one in runs[1:]] for runs in told.values())
-                    middle = statistics.median(new) / statistics.median(old)
-                    ratios = sorted(b / a for a, b in zip(old, new, strict=True))
-                    print(
-                        f"  {statistics.median(old):,.4g} -> {statistics.median(new):,.4g} {unit}: {middle:.2f} times "
-                        f"({ratios[0]:.2f} to {ratios[-1]:.2f})",
-                        flush=True,
-                    )
-        finally:
-            subprocess.run(["git", "worktree", "remove", "--force", before], cwd=ROOT, check=True)
+    with earlier(options.revision) as before:
+        for scene in options.scenes:
+            told: dict[Path, list[dict[str, float]]] = {before: [], ROOT: []}
+            for turn in range(options.turns + 1):
+                for tree in list(told)[:: 1 if turn % 2 else -1]:
+                    told[tree].append(run(tree, scene, options))
+            print(scene)
+            for key, unit in UNITS.items():
+                old, new = ([one[key] for one in runs[1:]] for runs in told.values())
+                print(change(old, new, unit), flush=True)
 
 
 if __name__ == "__main__":
