@@ -39,8 +39,6 @@ def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
             write = _write_blend if path.suffix == ".blend" else _write_geometry
             write(scene, job, part, report)
         part.replace(path)
-    except (AttributeError, RuntimeError) as error:
-        raise Unusable(f"this Blender cannot write {path.suffix} files: {error}") from error
     except OSError as error:
         raise RenderError(f"cannot write {path}: {error.strerror}") from error
     finally:
@@ -57,12 +55,20 @@ def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
 
 def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
     """Exporters ask for one frame after another. They take a mesh for still whose object has no modifier (that of
-    triangles to triangles changes nothing), and one of another name for another thing."""
+    triangles to triangles changes nothing), and one of another name for another thing. What is raised while they ask
+    Blender prints, and goes on with the meshes of the frame before."""
+    failed: list[Exception] = []
 
     def bring(stage: Any, *_: Any) -> None:
         frame = stage.frame_current
-        if frame not in job.frames():
+        if frame not in job.frames() or failed:
             return
+        try:
+            place(frame)
+        except Exception as error:
+            failed.append(error)
+
+    def place(frame: int) -> None:
         for name, mesh in scene.read(frame).items():
             thing, material = scene.moving()[name]
             shape = _nothing(name) if mesh is None or len(mesh.triangles) == 0 else build_mesh(name, mesh)
@@ -74,12 +80,20 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
         thing.modifiers.new("sampled", "TRIANGULATE")
     bpy.app.handlers.frame_change_pre.append(bring)
     if path.suffix == ".abc":
-        done = bpy.ops.wm.alembic_export(
-            filepath=str(path), start=job.first, end=job.last, evaluation_mode="RENDER", as_background_job=False
-        )
+        frames = {"start": job.first, "end": job.last}
+        _write(path, bpy.ops.wm.alembic_export, evaluation_mode="RENDER", as_background_job=False, **frames)
     else:
-        done = bpy.ops.wm.usd_export(filepath=str(path), export_animation=True, evaluation_mode="RENDER")
-    check(done, "exporting")
+        _write(path, bpy.ops.wm.usd_export, evaluation_mode="RENDER", export_animation=True)
+    if failed:
+        raise failed[0]
+
+
+def _write(path: Path, operator: Any, **options: Any) -> None:
+    """Let an operator of Blender write a file; raises Unusable where it cannot, or is not there."""
+    try:
+        check(operator(filepath=str(path), **options), "exporting")
+    except (AttributeError, RuntimeError) as error:
+        raise Unusable(f"this Blender cannot write {path.suffix} files: {error}") from error
 
 
 def _nothing(name: str) -> Any:
@@ -106,4 +120,4 @@ def _write_blend(scene: Scene, job: Job, path: Path, report: Report) -> None:
         if image.source == "FILE":
             image.pack()
     bpy.context.scene.frame_set(job.first)
-    check(bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=True), "saving the scene")
+    _write(path, bpy.ops.wm.save_as_mainfile, copy=True, compress=True)

@@ -84,3 +84,19 @@ def test_kinds_that_can_not_be_written_are_refused(film, tmp_path):
     command += ["--simulation", str(film[0]), "--export", str(tmp_path / "film.obj")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2 and ".usdc" in done.stderr
+
+
+@pytest.mark.parametrize("damage", ["gone", "cut short"])
+@pytest.mark.parametrize("kind", ["usdc", "abc", "blend"])
+def test_a_frame_that_cannot_be_read_leaves_no_file(film, tmp_path, kind, damage):
+    """Blender prints what goes wrong while an exporter asks for a frame, and exports the frame before it once more."""
+    simulation, surface = film
+    last = surface / "surface_00001.ply"
+    shutil.copy(surface / "surface_00000.ply", last)
+    last.unlink() if damage == "gone" else last.write_bytes(last.read_bytes()[:-20])
+    path = tmp_path / f"film.{kind}"
+    command = [sys.executable, "-m", "render", "--spec", json.dumps(TINY), "--frames", "0:1", "--out", str(tmp_path)]
+    command += ["--simulation", str(simulation), "--surface", str(surface), "--export", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2 and "surface_00001.ply" in done.stderr, done.stderr
+    assert not list(tmp_path.glob("*film*"))
