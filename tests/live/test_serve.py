@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -13,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from live.listening import TRIED, free_port
+from scene.settings import Refused
 from tests.live.stage import SCENE
 from tests.live.viewer import Viewer
 
@@ -66,6 +69,40 @@ def test_another_address_needs_a_token(scene):
         viewer.set("token", token)
         viewer.press("Enter")
         viewer.wait_for("Play")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--host", "192.0.2.1"], "--host 192.0.2.1 is no address at which this machine can listen"),
+        (["--host", "no.such.machine.invalid"], "--host no.such.machine.invalid is no address"),
+        (["--host", "."], "--host . is no"),
+        (["--port", "65536"], "--port 65536 is no port"),
+        (["--port", "-1"], "--port -1 is no port"),
+    ],
+)
+def test_where_it_cannot_listen_it_says_so(scene, options, message):
+    """The server of the page waited for ever."""
+    command = [sys.executable, "-m", "sim", "live", str(scene), *options]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and message in done.stderr and "fix: " in done.stderr
+
+
+def test_the_next_free_port_is_taken():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert port < free_port("127.0.0.1", port) < port + TRIED
+
+
+def test_no_free_port_is_refused(monkeypatch):
+    monkeypatch.setattr("live.listening.TRIED", 1)
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        with pytest.raises(Refused, match="no port from"):
+            free_port("127.0.0.1", taken.getsockname()[1])
 
 
 def test_a_scene_that_can_not_run_is_refused(scene):
