@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from common.arguments import positive
 from common.command import end_with
 from common.files import write_json
 from common.manifest import spoiled
@@ -182,8 +183,8 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
         "--frames", required=True, type=_frames, metavar="A:B", help="first and last frame, both included"
     )
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the pictures and summary.json")
-    parser.add_argument("--fps", type=_positive(float), default=24.0, help="frames per simulated second (default 24)")
-    parser.add_argument("--threads", type=_positive(int), metavar="N", help="CPU threads (default: all)")
+    parser.add_argument("--fps", type=positive(float), default=24.0, help="frames per simulated second (default 24)")
+    parser.add_argument("--threads", type=positive(int), metavar="N", help="CPU threads (default: all)")
     parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
     parser.add_argument(
         "--export", metavar="FILE", help="write the animation to this file instead of pictures: .usdc, .abc or .blend"
@@ -203,16 +204,6 @@ def _frames(text: str) -> tuple[int, int]:
     if not 0 <= frames[0] <= frames[1]:
         raise argparse.ArgumentTypeError(f"expected A:B with 0 <= A <= B, got {text}")
     return frames
-
-
-def _positive(kind: type) -> Any:
-    def number(text: str) -> Any:
-        value = kind(text)
-        if not 0 < value < float("inf"):
-            raise argparse.ArgumentTypeError(f"expected a number above 0, got {text}")
-        return value
-
-    return number
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from common.arguments import not_negative, positive
 from common.command import as_called, end_with, go_on_unheard
 from scene import assets
 from scene.settings import Refused
@@ -90,12 +91,14 @@ def _add_live_options(live: argparse.ArgumentParser) -> None:
     )
     live.add_argument("--play", action="store_true", help="play at once instead of waiting for the button")
     live.add_argument("--stop-when-left", action="store_true", help="end when the last page is closed")
-    live.add_argument("--history", type=float, default=1.0, metavar="GB", help="memory for going back (default: 1)")
+    live.add_argument(
+        "--history", type=not_negative(float), default=1.0, metavar="GB", help="memory for going back (default: 1)"
+    )
     _add_device(live)
 
 
 def _add_device(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--threads", type=int, help="CPU threads (default: all)")
+    command.add_argument("--threads", type=positive(int), help="CPU threads (default: all)")
     command.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
 
 

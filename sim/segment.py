@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from common import signals
+from common.arguments import positive
 from common.command import end_with
 from common.files import Reserve, write_json
 from common.signals import INTERRUPTED
@@ -258,7 +259,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--frames", type=frame_range, required=True, metavar="A:B", help="frames to write")
     parser.add_argument("--resume", type=Path, metavar="STATE", help="state after frame A-1")
     parser.add_argument("--out", type=Path, required=True, help="folder for frames, tables and the state after frame B")
-    parser.add_argument("--threads", type=int, help="CPU threads (default: all)")
+    parser.add_argument("--threads", type=positive(int), help="CPU threads (default: all)")
     parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
     options = parser.parse_args(arguments)
     first, last = options.frames

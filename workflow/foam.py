@@ -21,6 +21,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from common.arguments import positive
 from common.command import end_with
 from common.files import write_json
 from common.signals import at_once
@@ -136,7 +137,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
     parser.add_argument("--resume", type=Path, metavar="DIR", help="folder with the foam of the frame before the first")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for foam_*.ply and summary.json")
-    parser.add_argument("--threads", type=int, default=1, metavar="N", help="CPU threads (default 1)")
+    parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")
     parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="where to compute")
     given = parser.parse_args(argv)
     if given.threads < 1:

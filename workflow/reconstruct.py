@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from common.arguments import positive
 from common.command import end_with
 from common.files import write_json, write_whole
 from common.signals import at_once
@@ -95,7 +96,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--simulation", required=True, type=Path, metavar="DIR", help="folder with fluid_*.ply")
     parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the meshes and summary.json")
-    parser.add_argument("--threads", type=int, default=1, metavar="N", help="CPU threads (default 1)")
+    parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")
     given = parser.parse_args(argv)
     if given.threads < 1:
         parser.error("--threads must be at least 1")

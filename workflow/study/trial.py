@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from common.arguments import positive
 from common.command import end_with
 from common.files import write_json
 from workflow.stages.stage import FAILED
@@ -114,7 +115,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--stage", required=True, choices=list(KINDS), help="what the command does")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for what is kept and trial.json")
-    parser.add_argument("--limit", type=float, default=600.0, help="wall seconds until it is given up (default: 600)")
+    parser.add_argument(
+        "--limit", type=positive(float), default=600.0, help="wall seconds until it is given up (default: 600)"
+    )
     parser.add_argument("command", nargs=argparse.REMAINDER, help=f"-- and the command, with {RUN} for its folder")
     given = parser.parse_args(argv)
     command = given.command[1:] if given.command[:1] == ["--"] else given.command

@@ -1,0 +1,31 @@
+"""Kinds of numbers that commands take, for `type=` of argparse."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from typing import TypeVar
+
+N = TypeVar("N", int, float)
+
+
+def positive(kind: type[N]) -> Callable[[str], N]:
+    """Numbers above 0."""
+    return lambda text: _bounded(kind, text, lambda value: value > 0, "above 0")
+
+
+def not_negative(kind: type[N]) -> Callable[[str], N]:
+    """Numbers from 0 on."""
+    return lambda text: _bounded(kind, text, lambda value: value >= 0, "of at least 0")
+
+
+def _bounded(kind: type[N], text: str, allowed: Callable[[N], bool], which: str) -> N:
+    wanted = f"expected a {'whole ' if kind is int else ''}number {which}, got {text}"
+    try:
+        value = kind(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(wanted) from None
+    if not math.isfinite(value) or not allowed(value):
+        raise argparse.ArgumentTypeError(wanted)
+    return value
