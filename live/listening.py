@@ -21,7 +21,8 @@ def free_port(host: str, port: int) -> int:
     """
     if not 0 <= port <= LAST:
         raise Refused(f"--port {port} is no port", remedy=f"give one from 0, which stands for any, to {LAST}")
-    for candidate in range(port, min(port + TRIED, LAST + 1)):
+    ports = range(port, min(port + TRIED, LAST + 1))
+    for candidate in ports:
         try:
             for family, kind, protocol, _, address in socket.getaddrinfo(
                 host, candidate, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
@@ -40,6 +41,6 @@ def free_port(host: str, port: int) -> int:
         else:
             return candidate
     raise Refused(
-        f"no port from {port} to {min(port + TRIED, LAST + 1) - 1} is free at {host}",
+        f"no port from {port} to {ports[-1]} is free at {host}",
         remedy="give another --port, or 0 for any",
     )

@@ -140,8 +140,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")
     parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="where to compute")
     given = parser.parse_args(argv)
-    if given.threads < 1:
-        parser.error("--threads must be at least 1")
 
     def work() -> None:
         spec = read_spec(FoamJobSpec, given.spec)

@@ -98,8 +98,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the meshes and summary.json")
     parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")
     given = parser.parse_args(argv)
-    if given.threads < 1:
-        parser.error("--threads must be at least 1")
 
     def work() -> None:
         spec = read_spec(ReconstructSpec, given.spec)

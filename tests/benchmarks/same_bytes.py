@@ -15,8 +15,6 @@ from __future__ import annotations
 import argparse
 import csv
 import hashlib
-import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -26,7 +24,7 @@ import numpy as np
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests.benchmarks.earlier import earlier  # noqa: E402
+from tests.benchmarks.earlier import earlier, parser, simulate  # noqa: E402
 
 EXACT = """
 import runpy
@@ -44,13 +42,8 @@ def results(tree: Path, scene: Path, options: argparse.Namespace) -> dict[str, s
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
         program = ["-c", EXACT] if options.exact_math else ["-m", "sim"]
-        command = [sys.executable, *program, "run", scene, "--out", out, "--quiet", "--arch", "cpu"]
-        command += ["--quality", options.quality, "--threads", options.threads]
-        command += ["--frames", f"0:{options.frames}"] if options.frames else []
-        given = os.environ | {"PYTHONPATH": str(tree)}
-        done = subprocess.run(list(map(str, command)), cwd=tree, env=given, capture_output=True, text=True, check=False)
-        if done.returncode:
-            sys.exit(f"{scene} in {tree}: exit {done.returncode}\n{done.stderr}")
+        frames = ["--frames", f"0:{options.frames}"] if options.frames else []
+        simulate(tree, scene, out, options, *frames, program=program)
         found = {}
         for path in sorted(out.iterdir()):
             if path.name not in LEFT_OUT:
@@ -75,14 +68,11 @@ def digest(content: bytes) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("revision", help="of git, to compare with")
-    parser.add_argument("scenes", nargs="*", type=Path, default=sorted((ROOT / "scenes" / "tiny").glob("*.yaml")))
-    parser.add_argument("--quality", default="draft")
-    parser.add_argument("--frames", type=int, help="the last one (default: all)")
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--exact-math", action="store_true", help="add in the order in which sums are written")
-    options = parser.parse_args()
+    parse = parser(__doc__)
+    parse.add_argument("scenes", nargs="*", type=Path, default=sorted((ROOT / "scenes" / "tiny").glob("*.yaml")))
+    parse.add_argument("--frames", type=int, help="the last one (default: all)")
+    parse.add_argument("--exact-math", action="store_true", help="add in the order in which sums are written")
+    options = parse.parse_args()
     differing = 0
     with earlier(options.revision) as before:
         for scene in options.scenes:

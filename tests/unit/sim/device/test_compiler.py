@@ -63,4 +63,4 @@ def test_packs_without_argpack_look_the_same(monkeypatch):
     for pack in (kind(size, value), kind(value=value, size=size)):
         assert [name for name, _ in pack.items] == ["size", "value"]
         assert pack.size is pack["size"] is size and pack.value is value
-        assert dataclasses.is_dataclass(pack)
+    assert dataclasses.is_dataclass(kind)
