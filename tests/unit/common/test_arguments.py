@@ -44,7 +44,7 @@ def test_none_at_all_is_no_number_above_it():
     ],
 )
 def test_commands_name_the_option(command, tmp_path):
-    """They ran with all processors, or ended with a traceback."""
+    """Some ran with all processors, others ended with a traceback."""
     module, *options = command.replace(" out", f" {tmp_path}/out").split()
     done = subprocess.run([sys.executable, "-m", module, *options], capture_output=True, text=True, timeout=60)
     wrong = options[-2] if "--limit" not in options else "--limit"
