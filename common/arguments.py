@@ -1,4 +1,4 @@
-"""Kinds of numbers that commands take, for `type=` of argparse."""
+"""Kinds of numbers and of frames that commands take, for `type=` of argparse."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import argparse
 import math
 from collections.abc import Callable
 from typing import TypeVar
+
+from common.frames import Frames
 
 N = TypeVar("N", int, float)
 
@@ -18,6 +20,14 @@ def positive(kind: type[N]) -> Callable[[str], N]:
 def not_negative(kind: type[N]) -> Callable[[str], N]:
     """Numbers from 0 on."""
     return lambda text: _bounded(kind, text, lambda value: value >= 0, "of at least 0")
+
+
+def frame_range(text: str) -> Frames:
+    """The value of an option --frames A:B."""
+    try:
+        return Frames.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _bounded(kind: type[N], text: str, allowed: Callable[[N], bool], which: str) -> N:

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from common.arguments import positive
+from common.arguments import frame_range, positive
 from common.command import end_with
 from common.files import write_json
 from common.manifest import spoiled
@@ -64,15 +64,14 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     for folder in filter(None, (options.simulation, options.surface, options.foam)):
         if not Path(folder).is_dir():
             raise Unusable(f"{folder} is not a folder")
-    first, last = options.frames
-    _refuse_spoiled(options, range(first, last + 1))
+    _refuse_spoiled(options)
     job = Job(
         settings=_with_builders(spec.model_dump(mode="json")),
         simulation=os.path.abspath(options.simulation),
         surface=os.path.abspath(options.surface) if options.surface else None,
         foam=os.path.abspath(options.foam) if options.foam else None,
-        first=first,
-        last=last,
+        first=options.frames.first,
+        last=options.frames.last,
         out=str(out.resolve()),
         log=str(log.resolve()),
         fps=options.fps,
@@ -118,7 +117,7 @@ def _with_builders(settings: Any) -> Any:
     return found if look is None else found | {"build": look.IMPLEMENTATION}
 
 
-def _refuse_spoiled(options: argparse.Namespace, frames: range) -> None:
+def _refuse_spoiled(options: argparse.Namespace) -> None:
     """Refuse files of earlier stages that are no longer what they were made as."""
     read = {
         options.simulation: ("cloth_", "body_", "container_", "bodies.csv", "summary.json"),
@@ -126,7 +125,7 @@ def _refuse_spoiled(options: argparse.Namespace, frames: range) -> None:
         options.foam: ("foam_",),
     }
     for folder, kinds in read.items():
-        path = spoiled(Path(folder), kinds, frames) if folder else None
+        path = spoiled(Path(folder), kinds, options.frames) if folder else None
         if path is not None:
             raise Unusable(
                 f"{path} no longer holds what was written to it\n"
@@ -180,7 +179,7 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--surface", metavar="DIR", help="folder of the water's surfaces; left out for a dry scene")
     parser.add_argument("--foam", metavar="DIR", help="folder of its foam; left out for a scene without")
     parser.add_argument(
-        "--frames", required=True, type=_frames, metavar="A:B", help="first and last frame, both included"
+        "--frames", required=True, type=frame_range, metavar="A:B", help="first and last, both included"
     )
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the pictures and summary.json")
     parser.add_argument("--fps", type=positive(float), default=24.0, help="frames per simulated second (default 24)")
@@ -196,14 +195,6 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--log", metavar="FILE", help="keep what Blender prints in this file")
     return parser.parse_args(arguments)
-
-
-def _frames(text: str) -> tuple[int, int]:
-    first, _, last = text.partition(":")
-    frames = int(first), int(last)
-    if not 0 <= frames[0] <= frames[1]:
-        raise argparse.ArgumentTypeError(f"expected A:B with 0 <= A <= B, got {text}")
-    return frames
 
 
 if __name__ == "__main__":

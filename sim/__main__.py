@@ -7,8 +7,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from common.arguments import not_negative, positive
+from common.arguments import frame_range, not_negative, positive
 from common.command import as_called, end_with, go_on_unheard
+from common.frames import Frames
 from scene import assets
 from scene.settings import Refused
 
@@ -75,8 +76,6 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
 
 
 def _add_run_options(run: argparse.ArgumentParser) -> None:
-    from sim.segment import frame_range
-
     run.add_argument("--out", type=Path, required=True, help="folder for frames, tables and state")
     run.add_argument("--frames", type=frame_range, metavar="A:B", help="frames to write, both included (default: all)")
     run.add_argument("--resume", type=Path, metavar="STATE", help="go on from this state_*.npz")
@@ -191,14 +190,14 @@ def _simulate(options: argparse.Namespace) -> int:
         for caution in idle.cautions(scene):
             print(scene.warning(caution), file=sys.stderr)
     first = frame_of(options.resume) + 1 if options.resume else 0
-    first, last = options.frames or (first, scene.last_frame)
+    asked = options.frames or Frames(first, scene.last_frame)
     try:
         return simulate(
             scene.simulation,
             scene.folder,
             options.out,
-            first=first,
-            last=last,
+            first=asked.first,
+            last=asked.last,
             state=options.resume,
             threads=options.threads,
             arch=options.arch,

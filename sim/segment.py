@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from common import signals
-from common.arguments import positive
+from common.arguments import frame_range, positive
 from common.command import end_with
 from common.files import Reserve, write_json
 from common.signals import INTERRUPTED
@@ -242,14 +242,6 @@ def guarded(action: Callable[[], int]) -> int:
         return REFUSED
 
 
-def frame_range(text: str) -> tuple[int, int]:
-    """`A:B`, both included."""
-    first, colon, last = text.partition(":")
-    if not colon or not first.isdigit() or not last.isdigit() or int(last) < int(first):
-        raise argparse.ArgumentTypeError(f"expected FIRST:LAST as in 0:24, got '{text}'")
-    return int(first), int(last)
-
-
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m sim.segment", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -262,14 +254,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--threads", type=positive(int), help="CPU threads (default: all)")
     parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
     options = parser.parse_args(arguments)
-    first, last = options.frames
     return guarded(
         lambda: simulate(
             read_spec(SimulationSpec, options.spec),
             options.folder,
             options.out,
-            first=first,
-            last=last,
+            first=options.frames.first,
+            last=options.frames.last,
             state=options.resume,
             threads=options.threads,
             arch=options.arch,

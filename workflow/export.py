@@ -24,8 +24,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from common import manifest
+from common.arguments import frame_range
 from common.command import as_called, end_with
 from common.distribution import HOME
+from common.frames import Frames
 from common.registry import load as implementation
 from render import program
 from scene.diagnostics.suggestions import suggestion
@@ -38,9 +40,8 @@ from workflow.formats import formats
 from workflow.formats.format import FormatSettings, Made
 from workflow.plan.jobs import Plan
 from workflow.plan.shelf import SCENE_FILES
-from workflow.plan.timeline import Frames
 from workflow.stages.film import tables
-from workflow.stages.stage import FAILED, REFUSED, frames, refuse_spoiled
+from workflow.stages.stage import FAILED, REFUSED, refuse_spoiled
 
 COMMAND = "python -m workflow.export"
 
@@ -103,7 +104,9 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
     parser.add_argument("--out", required=True, type=Path, metavar="FILE", help=f"{', '.join(formats())}: by its end")
     parser.add_argument("--spec", default="{}", metavar="JSON", help=f"of the format: {HELP}")
     parser.add_argument("--quality", choices=QUALITIES, help="of the film (default: the scene's)")
-    parser.add_argument("--frames", type=frames, metavar="A:B", help="first and last, both included (default: all)")
+    parser.add_argument(
+        "--frames", type=frame_range, metavar="A:B", help="first and last, both included (default: all)"
+    )
     parser.add_argument("--simulation", type=Path, metavar="DIR", help="a run's folder in place of the film's")
     parser.add_argument("--blender", metavar="PATH", help="an installed Blender that writes the file")
     options = parser.parse_args(arguments)

@@ -21,9 +21,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from common.arguments import positive
+from common.arguments import frame_range, positive
 from common.command import end_with
 from common.files import write_json
+from common.frames import Frames
 from common.signals import at_once
 from common.stopwatch import Stopwatch
 from render.progress import Progress
@@ -31,7 +32,6 @@ from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
 from sim.device.compiler_choice import chosen
 from sim.foam.spec import FoamJobSpec
-from workflow.plan.timeline import Frames
 from workflow.stages import stage
 from workflow.stages.bodies import Bodies
 from workflow.stages.stage import exit_code
@@ -134,7 +134,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--simulation", required=True, nargs="+", type=Path, metavar="DIR", help="folders with fluid_*.ply"
     )
-    parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
+    parser.add_argument("--frames", required=True, type=frame_range, metavar="A:B", help="first and last frame")
     parser.add_argument("--resume", type=Path, metavar="DIR", help="folder with the foam of the frame before the first")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for foam_*.ply and summary.json")
     parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")

@@ -22,14 +22,14 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 
-from common.arguments import positive
+from common.arguments import frame_range, positive
 from common.command import end_with
 from common.files import write_json, write_whole
+from common.frames import Frames
 from common.signals import at_once
 from common.stopwatch import Stopwatch
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
-from workflow.plan.timeline import Frames
 from workflow.stages import stage
 from workflow.stages.stage import exit_code
 from workflow.stages.surface.spec import ReconstructSpec
@@ -94,7 +94,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--spec", required=True, metavar="JSON", help=HELP)
     parser.add_argument("--simulation", required=True, type=Path, metavar="DIR", help="folder with fluid_*.ply")
-    parser.add_argument("--frames", required=True, type=stage.frames, metavar="A:B", help="first and last frame")
+    parser.add_argument("--frames", required=True, type=frame_range, metavar="A:B", help="first and last frame")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the meshes and summary.json")
     parser.add_argument("--threads", type=positive(int), default=1, metavar="N", help="CPU threads (default 1)")
     given = parser.parse_args(argv)

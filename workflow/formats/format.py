@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 from scene.settings import Settings
 
 if TYPE_CHECKING:
+    from common.frames import Frames
     from scene.load import Scene
-    from workflow.plan.timeline import Frames
 
 
 class FormatSettings(Settings):

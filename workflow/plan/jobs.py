@@ -15,6 +15,7 @@ from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from common.frames import Frames
 from render import program
 from scene import assets
 from scene.load import Scene
@@ -24,7 +25,7 @@ from sim.device import compiler_choice
 from sim.foam.spec import FoamJobSpec
 from sim.spec import SimulationSpec
 from workflow.plan import additions, sources
-from workflow.plan.timeline import Frames, Timeline
+from workflow.plan.timeline import Timeline
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.surface.spec import ReconstructSpec
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Callable, Container, Iterable
 from pathlib import Path
 
 from common.manifest import spoiled
 from scene.settings import Refused
-from workflow.plan.timeline import Frames
 
 REFUSED = 2
 FAILED = 1
@@ -24,14 +22,6 @@ def refuse_spoiled(folders: Iterable[Path], *kinds: str, frames: Container[int] 
                 f"{path} no longer holds what was written to it",
                 remedy=f"delete the folder {folder} and run the same command again: what is in it is made anew",
             )
-
-
-def frames(text: str) -> Frames:
-    """The value of an option --frames A:B."""
-    try:
-        return Frames.parse(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def exit_code(run: Callable[[], None], name: str) -> int:

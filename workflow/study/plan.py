@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from common.frames import Frames
 from scene.load import Scene
 from scene.settings import canonical_json
 from workflow.plan.jobs import ENTRY, RESULTS, Job, Plan, sources, versions
 from workflow.plan.shelf import STUDIES
 from workflow.plan.specs import spec_file
-from workflow.plan.timeline import Frames
 from workflow.study.load import LoadedStudy, Trial
 from workflow.study.spec import ByTable
 from workflow.study.trial import RUN

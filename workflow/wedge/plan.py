@@ -6,9 +6,9 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from common.frames import Frames
 from scene.wedge import Combination
 from workflow.plan.jobs import Job, Plan, sources, versions
-from workflow.plan.timeline import Frames
 
 WEDGES = "wedges"
 REPORT = "workflow.wedge"

@@ -1,4 +1,4 @@
-"""Numbers on command lines are what they may be, or refused by name."""
+"""Numbers and frames on command lines are what they may be, or refused by name."""
 
 from __future__ import annotations
 
@@ -41,6 +41,9 @@ def test_none_at_all_is_no_number_above_it():
         "workflow.foam --spec {} --simulation . --frames 0:1 --out out --threads -1",
         "workflow.study.trial --stage simulate --out out --limit nan -- true",
         "render --spec {} --simulation . --frames 0:1 --out out --fps nan",
+        "sim run scenes/tiny/splash.yaml --out out --frames 3:1",
+        "render --spec {} --simulation . --out out --frames 3",
+        "workflow.reconstruct --spec {} --simulation . --out out --frames a:b",
     ],
 )
 def test_commands_name_the_option(command, tmp_path):

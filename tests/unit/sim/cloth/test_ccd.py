@@ -29,7 +29,7 @@ def test_nothing_comes_near_before_its_time_nor_too_near_unsaid(taichi, edges):
     met = time <= 1.0
     fastest = 2 * np.linalg.norm(way, axis=2).max(axis=1) / (TIMES - 1)
 
-    np.testing.assert_array_equal(at_start, distance[:, 0])
+    np.testing.assert_allclose(at_start, distance[:, 0], rtol=0, atol=1e-12)
     before = np.linspace(0, 1, TIMES) < time[:, None]
     assert (distance > EARLY * THICKNESS)[before].all()
     then = start + np.where(met, time, 0)[:, None, None] * way

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from common.frames import Frames
 from common.manifest import Manifest, damage, spoiled
 from workflow.plan import record
 from workflow.plan.jobs import Job
 from workflow.plan.results import Unrecorded, refuse_unrecorded, repairs
-from workflow.plan.timeline import Frames
 
 JOB = Job(
     stage="film", folder="renders/a", frames=Frames(0, 1), spec="{}", code="code 1", versions="versions 1", assets=""

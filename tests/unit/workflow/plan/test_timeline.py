@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from workflow.plan.timeline import Frames, Timeline, block_length, segment_length
+from workflow.plan.timeline import Timeline, block_length, segment_length
 
 SPANS = [
     (fps, seconds) for fps in (1, 4, 5, 7, 12, 23, 24, 25, 26, 29.97, 30, 48, 50, 60, 120) for seconds in (1, 2, 3.5)
@@ -67,12 +67,3 @@ def test_whole_seconds_end_with_a_segment_so_that_a_longer_film_only_adds(fps):
 def test_a_part_that_does_not_exist():
     with pytest.raises(IndexError):
         Timeline(24, 24).segment(2)
-
-
-def test_frames_as_text():
-    assert str(Frames(13, 24)) == "13:24"
-    assert Frames.parse("13:24") == Frames(13, 24)
-    assert len(Frames(13, 24)) == 12
-    for text in ("24:13", "3", "a:b", "-1:3", ""):
-        with pytest.raises(ValueError, match="FIRST:LAST"):
-            Frames.parse(text)

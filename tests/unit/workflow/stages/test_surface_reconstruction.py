@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from common.frames import Frames
 from common.ply import BadPly, columns, read_points
 from scene.presets import PRESETS, QUALITIES
 from tests.support.meshes import open_edges
-from workflow.plan.timeline import Frames
 from workflow.reconstruct import run
 from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec
 from workflow.stages.surface.surface import reconstruct
