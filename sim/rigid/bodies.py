@@ -76,13 +76,15 @@ class RigidBodies:
         self._turn()
 
     def _make_packs(self) -> None:
+        self.inverse_inertia = np.zeros((self.count, 3, 3))
+        """As bodies are turned before a step, in world axes [1/(kg m^2)]."""
         self._shared = {
             "position": self.position,
             "rotation": self.rotation,
             "inverse_mass": np.where(self.dynamic, 1 / self.mass, 0.0),
-            "inverse_inertia": np.zeros((self.count, 3, 3)),
+            "inverse_inertia": self.inverse_inertia,
         }
-        self.motion: Motion = self._moving_as(self.velocity, self.spin, self.momentum)
+        self.motion: Motion = self.moving_as(self.velocity, self.spin, self.momentum)
         self._properties = BodyProperties(
             dynamic=integers(self.dynamic),
             fluid_driven=self.fluid_driven,
@@ -94,7 +96,7 @@ class RigidBodies:
             force=self._force, torque=self._torque, fluid_force=self.fluid_force, fluid_torque=self.fluid_torque
         )
         self.free_velocity, self.free_spin, self.old_velocity, self.old_spin, middle = np.zeros((5, self.count, 3))
-        self._velocities = StepVelocities(
+        self.step_velocities = StepVelocities(
             old_velocity=self.old_velocity,
             old_spin=self.old_spin,
             free_velocity=self.free_velocity,
@@ -102,7 +104,7 @@ class RigidBodies:
             middle_velocity=middle,
         )
 
-    def _moving_as(
+    def moving_as(
         self, velocity: np.ndarray, spin: np.ndarray, momentum: np.ndarray, **otherwise: np.ndarray
     ) -> Motion:
         """The same bodies at other velocities, or with others of the members of `Motion`."""

@@ -18,10 +18,10 @@ from sim.device.double import vec3
 from sim.rigid.bodies import SAVED, RigidBodies, rotations
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.collision import contact_table
-from sim.rigid.collision.arrays import integers
 from sim.rigid.collision.detection import Detection
-from sim.rigid.dynamics import contact_solver, free_motion, restitution
+from sim.rigid.dynamics import contact_solver, free_motion
 from sim.rigid.dynamics.contact_impulses import solve_impulses
+from sim.rigid.dynamics.rebounds import Rebounds
 from sim.rigid.dynamics.release import borne_by, wrenches
 from sim.rigid.dynamics.springs import pulled
 from sim.rigid.dynamics.time_step_limits import limiting_term, step_limits
@@ -37,8 +37,6 @@ PARTING = 2.0
 PARTING_SWEEPS = 50
 PARTING_ERROR = 1e-6
 """In sizes of the smallest body a second."""
-MOST_ROUNDS = 100
-"""Of blows that pass from pair to pair."""
 
 
 class RigidModel(RigidBodies):
@@ -69,12 +67,12 @@ class RigidModel(RigidBodies):
         """By how much bodies are off where their velocities at the end of the step would have taken them [m]."""
         self._began = self.position.copy()
         """Where bodies were when contacts were found, before they moved [m]."""
-        self._met = self._moving_as(self.velocity, self.spin, self.momentum, position=self._began)
-        # Others of the same bodies: while blows pass on, and while parting.
-        self._blow, self._apart = np.zeros((3, self.count, 3)), np.zeros((3, self.count, 3))
-        self._blown, self._parting = self._moving_as(*self._blow), self._moving_as(*self._apart)
+        self._met = self.moving_as(self.velocity, self.spin, self.momentum, position=self._began)
+        # Other velocities of the same bodies, while parting.
+        self._apart = np.zeros((3, self.count, 3))
+        self._parting = self.moving_as(*self._apart)
         self._shift = tuple(self._apart[:2])
-        self._braked = integers(np.zeros(self.count))
+        self._rebounds = Rebounds(self, self.contacts, settings, float(np.linalg.norm(self.gravity)), self._met)
         self.awaits_cloth = False
         """Whether `rebound` is called after each step, with what the cloth did in it."""
 
@@ -88,7 +86,7 @@ class RigidModel(RigidBodies):
         if count:
             self.contacts.tables.struck[:count] = 0
             if not self.awaits_cloth:
-                self._bounce(dt, np.zeros(self.count, bool))
+                self._rebounds.strike(dt, np.zeros(self.count, bool))
             self._remember(dt)
             self._part(dt)
         else:
@@ -131,7 +129,7 @@ class RigidModel(RigidBodies):
             body = self.bodies[k]
             coming = self.velocity[k] + dt * (self.gravity + body.force / self.mass[k])
             self._force[k] = body.force + self.mass[k] * pulled(body.pulls, self.position[k], coming, dt)
-        packs = self._properties, self._loads, self.motion, self._velocities
+        packs = self._properties, self._loads, self.motion, self.step_velocities
         free_motion.accelerate(self.count, dt, vec3(*self.gravity), *packs)
         if self.contacts.find(dt):
             gap = self.contacts.tables.gap[: self.contacts.count]
@@ -150,30 +148,6 @@ class RigidModel(RigidBodies):
         )
         self.stats["contact_iterations"], self.stats["contact_error"] = sweeps, change
         self.stats["contacts_capped"] = int(change > self.settings.contact_error)
-
-    def _bounce(self, dt: float, braked: np.ndarray) -> None:
-        """`braked`: bodies that may have been stopped by something else, too."""
-        count, tables = self.contacts.count, self.contacts.tables
-        self._braked[:] = braked
-        struck = restitution.approach(
-            count,
-            dt,
-            float(np.linalg.norm(self.gravity)),
-            tables.gap,
-            self._braked,
-            self._velocities,
-            self._met,
-            tables.pressed,
-            tables.bounces,
-        )
-        if not struck:
-            return
-        self._blow[0], self._blow[1] = self.old_velocity, self.old_spin
-        pairs = len(self.contacts.pairs)
-        restitution.rebound(pairs, MOST_ROUNDS, tables.near, self._blown, tables.pressed, tables.bounces)
-        settings = self.settings
-        contact_solver.solve(count, settings.max_iterations, settings.contact_error, self.motion, tables.bouncing)
-        self.velocity_lag[tables.table["body"][: 2 * count][np.repeat(tables.struck[:count] == 2, 2)]] = 0.0
 
     def _remember(self, dt: float) -> None:
         count, tables = self.contacts.count, self.contacts.tables
@@ -230,12 +204,12 @@ class RigidModel(RigidBodies):
             return
         self._renew(dt, contacts, force)
         self.free_velocity[bodies] += impulse[:, :3] / self.mass[bodies, None]
-        inverse_inertia = self._shared["inverse_inertia"][bodies]
+        inverse_inertia = self.inverse_inertia[bodies]
         self.free_spin[bodies] += np.einsum("nij,nj->ni", inverse_inertia, impulse[:, 3:])
         braked = np.zeros(self.count, bool)
         pair = tables.table["body"][: 2 * count].reshape(-1, 2)
         braked[pair[contacts].ravel()] = True
-        self._bounce(dt, braked & self.dynamic)
+        self._rebounds.strike(dt, braked & self.dynamic)
         self.contacts.previous[2][tables.struck[:count] == 2] = 0.0
 
     def _renew(self, dt: float, contacts: np.ndarray, force: np.ndarray) -> None:
@@ -293,4 +267,4 @@ class RigidModel(RigidBodies):
     def bytes(self) -> int:
         """Of what grows with bodies and contacts."""
         grids = sum(body.shape.grid.values.nbytes for body in self.bodies if body.shape.grid)
-        return self.contacts.tables.bytes + 4 * self._blow.nbytes + grids
+        return self.contacts.tables.bytes + 4 * self._apart.nbytes + grids

@@ -45,7 +45,9 @@ def approach(
         speed = early
         if gap[c] > 0.0:
             speed = -ti.sqrt(ti.max(early * early - 2.0 * change / dt * gap[c], 0.0))
-        bounces.extra[c] = ti.min(speed - early, 0.0) if contacts.normal_impulse[c] > 0.0 else 0.0
+        # A contact that opens may be closed by what others do: then it is struck as fast as they make it.
+        faster = ti.max(ti.min(speed - early, 0.0), ti.min(change, 0.0))
+        bounces.extra[c] = faster if contacts.normal_impulse[c] > 0.0 else 0.0
         bounces.slow[c] = 2.0 * ti.max(abs(change), dt * gravity) + 1e-9
         bounces.struck[c] = 0
         bounces.bounce[c] = bounces.restitution[c]
