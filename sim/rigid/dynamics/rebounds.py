@@ -1,9 +1,8 @@
 """The bounces of a step, which give back no more energy than they took.
 
-Restitution is that of velocities (Newton 1687). With friction, it can ask for more energy than there was: where what
-slid is turned by a blow at one edge, friction at another does work on it, while the velocity along the normal has to
-be what it was before (Kane & Levinson 1985). Bodies that hang together then bounce by as much less as takes that away
-(after the energetic restitution of Stronge 1990).
+Restitution is that of velocities (`restitution`). With friction it can ask for more energy than there was, where a blow
+reverses sliding, while the velocity along the normal has to be what it was before (Stronge 1991). Bodies that hang
+together by contacts then bounce by as much less as takes the gain away.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import pytest
 from sim.fluid.forces.velocity_smoothing import viscosity_is_implicit
 from sim.fluid.spec import Fluid
 from tests.stress.scenes import THICK, contents, pool, run_segment
-from tests.support.in_time import in_time
+from tests.support.fluid.solvers import SOLVERS
 from tests.support.particles import read_table
 
 BALL = {"motion": "static", "shape": {"type": "sphere", "radius": 0.08}, "position": [0.05, 0.06, 0]}
@@ -18,7 +18,7 @@ THICK_ON_A_BALL = THICK | {"rigid__bodies": {"ball": BALL}}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", SOLVERS)
 def test_a_resumed_run_and_other_threads_give_the_same_bytes(tmp_path, solver):
     scene = pool(fluid__solver=solver, **THICK_ON_A_BALL)
     whole, first, second = (tmp_path / name for name in ("whole", "first", "second"))

@@ -13,7 +13,7 @@ import trimesh
 from sim.bodies.obstacles import find_obstacles
 from sim.spec import SimulationSpec
 from tests.stress.scenes import assert_nothing_broken
-from tests.support.fluid.solvers import STRESSED
+from tests.support.fluid.solvers import LONG
 from tests.support.in_time import in_time
 from tests.support.particles import positions, read_frame
 from tests.support.sharp_bodies import SPACING, TOP, export, sharp_bodies
@@ -59,7 +59,7 @@ def inside(scene, out, folder):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
     """At the longest steps that settings allow."""
@@ -70,7 +70,7 @@ def test_a_blob_hits_what_stands(simulate, tmp_path, name, solver):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 @pytest.mark.parametrize("name", BODIES)
 def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
     """Each at half of 50 m/s, the body turning."""
@@ -82,7 +82,7 @@ def test_a_body_hits_a_blob(simulate, tmp_path, name, solver):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
     """50 m/s, on a plate half as thick as a particle is wide, whatever the support."""
@@ -98,7 +98,7 @@ def test_a_jet_hits_a_plate(simulate, tmp_path, ratio, solver):
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 @pytest.mark.parametrize("ratio", RATIOS)
 @pytest.mark.parametrize("kind", ["planes", "cube", "spike"])
 def test_nothing_leaves_a_closed_container(simulate, tmp_path, kind, ratio, solver):
@@ -128,7 +128,7 @@ def test_nothing_leaves_a_closed_container(simulate, tmp_path, kind, ratio, solv
 
 
 @pytest.mark.outcome("A")
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 @pytest.mark.parametrize(
     "motion",
     [{"velocity": [2.5, -1.7, 1.3]}, {"angular_velocity": [0, 12, 12]}],

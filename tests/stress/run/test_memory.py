@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 
 from tests.stress.scenes import assert_nothing_broken
-from tests.support.in_time import in_time
+from tests.support.fluid.solvers import LONG
 
 MOST = 1000
 """Bytes a particle."""
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 def test_a_particle_takes_a_kilobyte_at_most(simulate, solver):
     """27 000 particles in half of a box with plane walls, whose lists have grown as far as they will at rest."""
     side = 0.6

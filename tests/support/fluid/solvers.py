@@ -16,6 +16,8 @@ INCOMPRESSIBLE = SOLVERS[1:]
 ITERATIVE = ("iisph", "dfsph")
 STRESSED = ("wcsph", "dfsph", *in_time("pcisph", "iisph"))
 """For the extremes, of which there are many: the two that share their parts with these only where there is time."""
+LONG = ("dfsph", *in_time("wcsph", "pcisph", "iisph"))
+"""For scenes that take long with each."""
 
 
 def run(data: dict[str, Any], out: Path, last: int) -> Path:

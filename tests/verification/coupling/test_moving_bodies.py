@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.support.fluid.solvers import SOLVERS, STRESSED, probe, steps
-from tests.support.in_time import in_time
+from tests.support.fluid.solvers import LONG, SOLVERS, probe, steps
 from tests.support.particles import positions, read_frame, velocities
 
 RHO, G, D = 1000.0, 9.81, 0.02
@@ -30,7 +29,7 @@ def shell(folder, inner, wall=0.06):
     return {"shape": {"type": "mesh", "file": "shell.ply"}}
 
 
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 def test_a_box_that_moves_evenly_is_a_box_at_rest(simulate, tmp_path, solver):
     """Galilei: with all speeds more by V, positions are more by V t, to a unit in the last place a step.
 
@@ -54,7 +53,7 @@ def test_a_box_that_moves_evenly_is_a_box_at_rest(simulate, tmp_path, solver):
     np.testing.assert_allclose(positions(b) - velocity * frames / 100, positions(a), atol=rounding)
 
 
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 def test_the_impulse_on_a_plate_is_the_momentum_that_the_fluid_gains(simulate, solver):
     """A plate runs into fluid at rest without gravity: sum m (v1 - v0) = - sum of the force on the plate times dt.
 
@@ -88,7 +87,7 @@ def test_the_impulse_on_a_plate_is_the_momentum_that_the_fluid_gains(simulate, s
         assert -float((dt * acting).sum()) == pytest.approx(gained[axis], abs=share * gained[1])
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 def test_a_lift_carries_its_load(simulate, solver):
     """A piston rises evenly in a shaft that does not hold the water by friction: water that rises with it presses with
     its weight, and all of it keeps the piston's speed and its volume."""
@@ -125,7 +124,7 @@ def test_a_lift_carries_its_load(simulate, solver):
     np.testing.assert_allclose(volume, SIDE**3, rtol=0.01)
 
 
-@pytest.mark.parametrize("solver", STRESSED)
+@pytest.mark.parametrize("solver", LONG)
 def test_a_tank_that_speeds_up_is_one_in_a_tilted_field(simulate, tmp_path, solver):
     """In the frame of a tank that moves as a t^2 / 2 gravity is g - a (d'Alembert), so that water leans back by a/g.
 
@@ -156,7 +155,7 @@ def test_a_tank_that_speeds_up_is_one_in_a_tilted_field(simulate, tmp_path, solv
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 def test_a_can_that_spins_without_friction_leaves_the_water_at_rest(simulate, tmp_path, solver):
     """No stress along the wall, no torque: the angular momentum stays 0, against I omega if the water turned along."""
     radius, omega, frames = 0.1, 6.0, 10

@@ -12,7 +12,10 @@ G, RHO = 9.81, 1000.0
 
 @pytest.mark.parametrize(
     ("shape", "radius"),
-    [({"type": "sphere", "radius": 0.08}, 0.08), ({"type": "box", "size": [0.16, 0.16, 0.16]}, 0.08)],
+    [
+        ({"type": "sphere", "radius": 0.08}, 0.08),
+        pytest.param({"type": "box", "size": [0.16, 0.16, 0.16]}, 0.08, marks=pytest.mark.slow),
+    ],
     ids=["sphere", "box"],
 )
 @pytest.mark.parametrize(

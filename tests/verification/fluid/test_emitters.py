@@ -12,8 +12,7 @@ from scipy.spatial import cKDTree
 from sim.fluid.kernel import cubic_host, particle_mass
 from sim.geometry.pose import rotation_matrix
 from sim.geometry.spec import Rotation
-from tests.support.fluid.solvers import SOLVERS, run, steps
-from tests.support.in_time import in_time
+from tests.support.fluid.solvers import LONG, SOLVERS, run, steps
 from tests.support.particles import positions, read_frame, velocities
 
 R = 0.01
@@ -124,7 +123,7 @@ def test_a_stream_falls_freely(tmp_path, solver):
         assert abs(found - (times[k + 1] - times[k]) * v0 / D) <= 1
 
 
-@pytest.mark.parametrize("solver", ["dfsph", *in_time("wcsph", "pcisph", "iisph")])
+@pytest.mark.parametrize("solver", LONG)
 def test_in_is_out_below_a_stream(tmp_path, solver):
     """Emitted less drained is present in every step, and what is drained in a while is what was emitted in as long."""
     height, rate = 0.4, 4e-3

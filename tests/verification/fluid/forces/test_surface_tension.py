@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from tests.support.fluid.solvers import run, run_changed, steps
 from tests.support.fluid.systems import load
+from tests.support.in_time import in_time
 from tests.support.particles import positions, read_frame, velocities
 
 SIGMA, RHO, SPACING = 0.07, 1000.0, 1e-3
@@ -117,7 +118,7 @@ def corners(x: np.ndarray) -> float:
     return 0.6 - float((x**4).sum(axis=1).mean() / ((x**2).sum(axis=1) ** 2).mean())
 
 
-@pytest.mark.parametrize("model", ["becker2007", "akinci2013"])
+@pytest.mark.parametrize("model", [*in_time("becker2007"), "akinci2013"])
 def test_a_cube_becomes_a_ball(tmp_path, model):
     """A ball to two standard errors of as many particles at random places in one, sqrt(16/525 * 49/33 / n) each. The
     attraction of Becker & Teschner packs particles so tightly that they keep some of their shape: only that most of
