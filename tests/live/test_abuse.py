@@ -183,8 +183,8 @@ def test_who_leaves_before_the_page_is_built_does_not_steer(stage, page):
         Viewer(page.port).close()
     stage.until(lambda session: not page.viewers and not session.display.watched)
     viewer = Viewer(page.port)
-    viewer.press("Next frame")
-    stage.until(lambda session: session.status.frame == 1)
+    # That the others have left may be noticed after this one has come.
+    stage.until(lambda session: viewer.press("Next frame") or session.status.frame > 0)
 
 
 def test_uploads_that_are_no_mesh_or_too_large_are_refused(stage, page, tmp_path):

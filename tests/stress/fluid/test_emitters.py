@@ -109,6 +109,7 @@ def test_a_frame_that_is_repeated_emits_no_more(simulate, monkeypatch, solver):
     assert np.array_equal(last["id"], np.arange(len(last)))
 
 
+@pytest.mark.slow
 @pytest.mark.outcome("A")
 def test_a_full_box_takes_no_more(simulate, capfd):
     """Its room is 1000 particles; what the outlet cannot send is counted, said once, and the fluid comes to rest."""

@@ -186,6 +186,7 @@ def test_bodies_that_overlap_are_not_filled_twice(simulate):
     assert_nothing_broken(out)
 
 
+@pytest.mark.slow
 @pytest.mark.outcome("A")
 def test_particles_fly_off_without_bound(simulate):
     """No box bounds the scene: x0 + v0 t + g t^2 / 2, far beyond the period of the hash."""

@@ -26,7 +26,7 @@ def ell() -> trimesh.Trimesh:
     return trimesh.Trimesh(vertices, np.vstack((caps[:, ::-1], caps + count, sides)), process=False)
 
 
-@pytest.mark.parametrize("rounding", [0, 1, *in_time(2, 3, 4)])
+@pytest.mark.parametrize("rounding", [1, *in_time(0, 2, 3, 4)])
 def test_sweeps_over_a_heap_at_rest_end_below_their_cap(tmp_path, rounding):
     """Six L shapes and two rings on them, each up to some 1e-7 m elsewhere: which of the many points of two faces are
     contacts, and what they bore before, is chosen by rounding. They stay where they are, to a thousandth of their size,
