@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import trimesh
 
 from sim.bodies.obstacles import Obstacle, Obstacles
 from sim.fluid.boundary.shapes import MOTION, BoundarySolid, half_space
@@ -41,6 +40,8 @@ def _thickness(shape: Primitive, band: NarrowBand | None) -> float:
 
 
 def _band(solid: Solid, shape: Primitive, spacing: float, h: float) -> NarrowBand:
+    import trimesh
+
     mesh = trimesh.Trimesh(solid.surface.vertices - shape.origin, solid.surface.faces, process=False)
     return narrow_band(mesh, CELL * spacing, h)
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial.transform import Rotation, Slerp
 
 from sim.foam.fluid import hermite
 from sim.geometry.distance.closest_points import MeshDistance
 from sim.geometry.pose import Pose
 from sim.geometry.solids import MeshSolid
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,21 +63,21 @@ def place(shape, placement: Placement, folder: Path) -> Solid:
             except Refused as refused:
                 raise refused.at("shape", "file") from refused
             return MeshSolid(pose, mesh, report)
-    mesh = tessellate(shape)
+    local_mesh = functools.partial(tessellate, shape)
     match shape:
         case Box():
-            return BoxSolid(pose, mesh, shape.size)
+            return BoxSolid(pose, local_mesh, shape.size)
         case Sphere():
-            return SphereSolid(pose, mesh, shape.radius)
+            return SphereSolid(pose, local_mesh, shape.radius)
         case Cylinder():
-            return CylinderSolid(pose, mesh, shape.radius, shape.height)
+            return CylinderSolid(pose, local_mesh, shape.radius, shape.height)
         case Capsule():
-            return CapsuleSolid(pose, mesh, shape.radius, shape.height)
+            return CapsuleSolid(pose, local_mesh, shape.radius, shape.height)
         case Torus():
-            return TorusSolid(pose, mesh, shape.radius, shape.tube_radius)
+            return TorusSolid(pose, local_mesh, shape.radius, shape.tube_radius)
         case Sheet():
-            return SheetSolid(pose, mesh, shape.size)
-    return MeshSolid(pose, mesh, None)
+            return SheetSolid(pose, local_mesh, shape.size)
+    return MeshSolid(pose, local_mesh(), None)
 
 
 def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:

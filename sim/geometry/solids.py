@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,9 +38,10 @@ class Solid(ABC):
     report: RepairReport | None = None
     """What was mended in a mesh file."""
 
-    def __init__(self, pose: Pose, mesh: trimesh.Trimesh | None):
+    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh] | None):
+        """local_mesh: makes the surface in the shape's own frame, once something asks for it; None for a plane."""
         self.pose = pose
-        self._local_mesh = mesh
+        self._local_mesh = local_mesh
 
     @functools.cached_property
     def mesh(self) -> trimesh.Trimesh | None:
@@ -48,7 +50,7 @@ class Solid(ABC):
             return None
         import trimesh
 
-        local = self._local_mesh
+        local = self._local_mesh()
         vertices = self.pose.to_world(local.vertices)
         return trimesh.Trimesh(vertices, local.faces, vertex_colors=vertex_colors(local), process=False)
 
@@ -85,7 +87,7 @@ class Solid(ABC):
         `reach` [m]: points beyond are infinitely far, and their gradient is 0; and it looks quickly, see
         `MeshDistance.closest`.
         """
-        step = 1e-6 * float(np.ptp(self.surface.bounds, axis=0).max())
+        step = 1e-6 * float(np.ptp(self.bounds, axis=0).max())
         corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
         around = [self.signed_distance(points + step * corner) for corner in corners]
         slope = np.stack(around, axis=1) @ corners
@@ -143,7 +145,7 @@ class MeshSolid(Solid):
     """The inside of a closed mesh: where its winding number is positive, so that overlapping pieces unite."""
 
     def __init__(self, pose: Pose, mesh: trimesh.Trimesh, report: RepairReport | None = None):
-        super().__init__(pose, mesh)
+        super().__init__(pose, lambda: mesh)
         self.report = report
 
     @property
@@ -202,8 +204,8 @@ class SheetSolid(Solid):
 
     closed = False
 
-    def __init__(self, pose: Pose, mesh: trimesh.Trimesh, size: tuple[float, float]):
-        super().__init__(pose, mesh)
+    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], size: tuple[float, float]):
+        super().__init__(pose, local_mesh)
         self.size = np.array(size, dtype=np.float64)
         """Edge lengths along its own x and z before scaling [m], shape [2]."""
 

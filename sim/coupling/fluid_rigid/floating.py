@@ -10,9 +10,9 @@ of its pressures. Where pressures follow from positions (WCSPH), bodies step as 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial.transform import Rotation
 
 from sim.bodies.movement import Movement
@@ -23,6 +23,9 @@ from sim.coupling.fluid_rigid.viscous_drag import ViscousDrag
 from sim.fluid.forces.terms import Terms
 from sim.fluid.system import FluidSystem
 from sim.rigid.model import RigidModel
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 class Floating:

@@ -14,9 +14,9 @@ the pressure around (`sim.fluid.boundary.gaps.openness`): there, too, the film a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial import cKDTree
 
 from sim.coupling.fluid_rigid.lubrication_sums import Elements, add_response_at_rims, place, press, press_rims
@@ -29,6 +29,9 @@ from sim.fluid.system import FluidSystem
 from sim.geometry.distance.closest_points import cover
 from sim.geometry.thinning import first_come
 from sim.neighbors.spatial_hash import NeighborList
+
+if TYPE_CHECKING:
+    import trimesh
 
 APART = 0.8
 """Elements of a surface stand this many spacings apart, or on faces that are turned by half of it in radians."""

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import functools
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial import cKDTree
+
+if TYPE_CHECKING:
+    import trimesh
 
 # How many points stand for the surface in the search tree; more points, fewer candidate triangles.
 _COVER_POINTS = 100_000

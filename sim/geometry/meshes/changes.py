@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial import cKDTree
 
 from sim.geometry.distance.closest_points import MeshDistance, cover
 from sim.geometry.meshes.winding import WindingNumber
+
+if TYPE_CHECKING:
+    import trimesh
 
 # Points at which a surface is compared with the other.
 _POINTS = 2_000

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import functools
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from sim.geometry.meshes.topology import Topology, flipped, signed_volume
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 def turned_outward(

@@ -7,14 +7,17 @@ the wall of a vessel ends: the surface runs into the lid steeply all around, or 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.spatial import cKDTree
 
 from sim.geometry.components import groups
 from sim.geometry.meshes.topology import edges_of, surface_area
 from sim.geometry.meshes.winding import WindingNumber
+
+if TYPE_CHECKING:
+    import trimesh
 
 LARGE = 0.05
 """Share of a mesh's area above which the lids of a piece are no mending."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from scene.settings import Refused
 from sim.geometry.meshes.closing import closed_pieces, with_lids
@@ -15,6 +15,9 @@ from sim.geometry.meshes.openings import mouths, within
 from sim.geometry.meshes.repair_report import RepairReport
 from sim.geometry.meshes.topology import Topology, cleaned, components, joined, signed_volume, surface_area
 from sim.geometry.meshes.union import united
+
+if TYPE_CHECKING:
+    import trimesh
 
 # A closed piece below this share of the largest piece's volume is debris of the scan.
 _NEGLIGIBLE_VOLUME = 1e-5

@@ -10,9 +10,12 @@ evaluated from its lower to its higher vertex, so that two triangles always agre
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 # Pairs of query and candidate triangle held at once: bounds memory at about 200 MB.
 _PAIRS_AT_ONCE = 2_000_000
