@@ -2,8 +2,8 @@
 
 A step: forces change velocities (free_motion); near bodies are paired (broad_phase), and the places where they touch or
 will are found (narrow_phase, box_box, manifold); impulses are found for all of them together (contact_solver); bodies
-move (free_motion, rotation); those that were struck bounce (restitution), and what overlaps still is parted without
-gaining speed (contact_table). Where there is cloth, bodies bounce last, when it is known what it does to them.
+move (free_motion, rotation); those that were struck bounce (restitution, rebounds), and what overlaps still is parted
+without gaining speed (contact_table). Where there is cloth, bodies bounce last, when it is known what it does to them.
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ rigid:
   bodies:
     box: {shape: {type: box, size: [0.1, 0.1, 0.1]}, position: [0, 0.4, 0], density: 300, motion: dynamic}
 """
+COARSE = SCENE.replace("10 mm", "20 mm")
 
 
 class Stage:

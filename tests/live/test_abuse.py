@@ -179,12 +179,14 @@ def test_what_is_asked_for_fast_happens_in_order(stage, monkeypatch):
 
 
 def test_who_leaves_before_the_page_is_built_does_not_steer(stage, page):
+    left = []
+    page.server.on_client_disconnect(left.append)
     for _ in range(5):
         Viewer(page.port).close()
-    stage.until(lambda session: not page.viewers and not session.display.watched)
+    stage.until(lambda session: len(left) == 5 and not page.viewers and not session.display.watched)
     viewer = Viewer(page.port)
-    # That the others have left may be noticed after this one has come.
-    stage.until(lambda session: viewer.press("Next frame") or session.status.frame > 0)
+    viewer.press("Next frame")
+    stage.until(lambda session: session.status.frame == 1)
 
 
 def test_uploads_that_are_no_mesh_or_too_large_are_refused(stage, page, tmp_path):

@@ -12,13 +12,12 @@ from PIL import Image
 
 from live.page import Page
 from scene.load import load
-from tests.live.stage import SCENE, Stage, bytes_in
+from tests.live.stage import COARSE, Stage, bytes_in
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="no chromium, or no chromium-driver")
 OPTIONS = """--headless=new --no-sandbox --disable-dev-shm-usage --use-gl=angle --use-angle=swiftshader
 --enable-unsafe-swiftshader --window-size=900,600 --disable-background-networking --disable-component-update"""
-COARSE = SCENE.replace("10 mm", "20 mm")
 
 
 class Browser:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from scene.document import SceneError
 from scene.load import load
 from sim.run.failure import Fault
-from tests.live.stage import SCENE, Stage, bytes_in
+from tests.live.stage import COARSE, SCENE, Stage, bytes_in
 
 BOX = {"shape": {"type": "box", "size": [0.08, 0.08, 0.08]}, "density": 300, "motion": "dynamic"}
 
@@ -20,6 +21,21 @@ def stage(tmp_path):
     stage = Stage(tmp_path)
     yield stage
     stage.close()
+
+
+def test_a_body_that_is_added_floats(tmp_path):
+    """With half the density of water its middle is at the surface, to a particle's size, when it no longer bobs."""
+    with closing(Stage(tmp_path, COARSE)) as stage:
+        session = stage.session
+        added = BOX | {"shape": {"type": "box", "size": [0.1, 0.1, 0.1]}, "density": 500, "position": [0.1, 0.5, 0.1]}
+        stage.change(add={"rigid": {"added": added}})
+        session.play()
+        stage.until(lambda session: session.clock.frame >= 44, 300)
+        session.pause()
+        stage.until(lambda session: session.status.mode == "paused")
+        states = [kept.rigid for kept in session.history.kept if kept.clock.frame >= 34]
+        heights = [state.position[state.names.index("added"), 1] for state in states]
+        assert np.mean(heights) == pytest.approx(0.3, abs=0.04)
 
 
 def test_a_saved_scene_gives_the_same_bytes(stage, simulate, tmp_path):
