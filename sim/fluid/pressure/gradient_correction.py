@@ -16,14 +16,16 @@ Along a surface a particle has fewer neighbours than elsewhere. Where L_i makes 
 right, but differences of pressure are not: neighbours further off have another L_j, and water at rest would be pushed
 down next to walls and up a layer further in. So along surfaces it is left to `half_space.along_faces`, and what is
 missing counts in the sum as if it were there. At a free surface, where more than half of them can be missing,
-the kernel's gradient stays: pressure is next to nothing there.
+the kernel's gradient stays: pressure is next to nothing there. It stays beside convex edges, too. A half-space does not
+end where the solid does, so that fluid around the corner counts twice; with L_i to make good for that, a constant
+pressure would push outward along the edge and inward on the faces, and water at rest would circulate.
 """
 
 from functools import cache
 
 import numpy as np
 
-from sim.device.arrays import Declared, mat3, real, vec3, vec4
+from sim.device.arrays import Declared, Vec4Array, mat3, real, vec3, vec4
 from sim.device.compiler import ti
 from sim.fluid.boundary.faces import Faces
 from sim.fluid.boundary.gaps import pressing_density, velocity_in_gap
@@ -46,6 +48,11 @@ BARE, FULL = 0.75, 0.9
 gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
+
+OVERLAP = 0.05
+"""Third of the trace of the sum over particles that half-spaces reach over, from which on gradients stay as they are."""
+BEHIND = 0.25
+"""Spacings behind the surface of a half-space from which on a particle counts whole as one that it reaches over."""
 
 BACK = 0.2
 """Of what the density is off already, velocities bring back so much in the longest step that falling allows (Baumgarte
@@ -85,6 +92,22 @@ def _share_back(system: FluidSystem, dt: float) -> float:
     """Of what the density is off, in a step of dt [s]; where nothing falls, nothing presses drops onto edges."""
     longest = fall_limit(system.h / 2, float(np.linalg.norm(system.gravity)))
     return BACK * min(1.0, dt / longest) if longest < np.inf else BACK
+
+
+@ti.func
+def overlap(i: ti.i32, position: Vec4Array, near: ti.template(), walls: ti.template(), inverse_h: real) -> real:
+    """A third of the trace of the sum over particles behind half-spaces near particle i, over the kernel's norm and the
+    volume of a particle [m^5]."""
+    behind = ti.cast(0.0, real)
+    for k in range(near.size[i]):
+        d = position[i].xyz - position[near.index[i, k]].xyz
+        depth = ti.cast(0.0, real)
+        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
+            depth = ti.max(depth, walls.face[e].xyz.dot(d) - walls.face[e][DISTANCE])
+        if depth > 0.0:
+            counts = ti.min(depth / (BEHIND * walls.spacing), 1.0)
+            behind -= counts * cubic_slope(d.norm() * inverse_h) * d.dot(d) / 3.0
+    return behind
 
 
 @ti.func
@@ -150,6 +173,9 @@ def _compression_rates(
         full = ti.math.clamp((filled / room - BARE) / (FULL - BARE), 0.0, 1.0)
         full *= full * (3.0 - 2.0 * full)
         full *= ti.math.clamp((sums.determinant() - FLAT) / (ROUND - FLAT), 0.0, 1.0)
+        if last > walls.begin[i]:
+            behind = slope_strength * fluid.mass / fluid.rest_density * overlap(i, p.position, near, walls, inverse_h)
+            full *= ti.math.clamp(1.0 - behind / OVERLAP, 0.0, 1.0)
         mine = (full * sums + (1.0 - full) * ti.Matrix.identity(real, 3)).inverse()
         lens.correction[i] = vec4(mine[0, 0], mine[1, 1], mine[2, 2], 0.0)
         lens.skew[i] = vec4(mine[0, 1], mine[0, 2], mine[1, 2], 0.0)

@@ -180,3 +180,31 @@ def test_a_ball_on_the_ground_is_not_driven(simulate, radius):
     table = read_table(simulate(data, 32, threads=1) / "bodies.csv")
     way = np.hypot(table["x"] - table["x"][0], table["z"] - table["z"][0]).max()
     assert way < 0.005 * G * 1.6**2 / 2 / (7 / 5 * 1.2 + 1 / 2)
+
+
+@pytest.mark.slow
+def test_a_ball_beside_a_box_and_a_plate_is_not_driven(simulate):
+    """Nor by what others stir: water that circulated around them would roll it away. They stay to a tenth of a
+    spacing."""
+    spacing, tank, depth, radius, seconds = 0.015, (0.6, 0.6, 0.45), 0.24, 0.05, 2.0
+    water = {"shape": {"type": "box", "size": [tank[0], depth, tank[2]]}, "position": [0, depth / 2, 0]}
+    bodies = {
+        "box": {"shape": {"type": "box", "size": [0.1, 0.06, 0.1]}, "density": 1200, "position": [-0.18, 0.03, 0]},
+        "ball": {"shape": {"type": "sphere", "radius": radius}, "density": 1200, "position": [0, radius, 0]},
+        "plate": {"shape": {"type": "box", "size": [0.12, 0.01, 0.12]}, "density": 1500, "position": [0.18, 0.005, 0]},
+    }
+    data = {
+        "fps": 25,
+        "containers": {"tank": {"type": "box", "size": list(tank)}},
+        "fluid": {"solver": "dfsph", "particle_radius": spacing / 2, "bodies": {"water": water}},
+        "rigid": {"bodies": {name: body | {"motion": "dynamic"} for name, body in bodies.items()}},
+    }
+    table = read_table(simulate(data, round(25 * seconds), threads=1) / "bodies.csv")
+
+    def way(name):
+        x, z = (table[axis][table["body"] == name] for axis in ("x", "z"))
+        return np.hypot(x - x[0], z - z[0]).max()
+
+    assert way("box") < 0.1 * spacing
+    assert way("plate") < 0.1 * spacing
+    assert way("ball") < 0.005 * G * seconds**2 / 2 / (7 / 5 * 1.2 + 1 / 2)
