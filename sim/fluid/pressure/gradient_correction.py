@@ -50,7 +50,7 @@ FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
 OVERLAP = 0.05
-"""Third of the trace of the sum over particles that half-spaces reach over, from which on gradients stay as they are."""
+"""Third of the trace of the sum over what half-spaces reach over, from which on gradients are not corrected."""
 BEHIND = 0.25
 """Spacings behind the surface of a half-space from which on a particle counts whole as one that it reaches over."""
 
