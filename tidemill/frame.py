@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,6 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from common.ply import columns, read_mesh, read_points
+from scene.settings import Refused
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,40 @@ class Sheet:
     """Indices of vertices, int32, shape [m, 3]."""
 
 
+class BodyTable:
+    """The rows of a `bodies.csv` by frame. Each is read once; those that a run adds meanwhile, when they are asked
+    for."""
+
+    def __init__(self, folder: Path):
+        self._path = folder / "bodies.csv"
+        self._read = 0
+        self._names: list[str] = []
+        self._rows: dict[int, list[dict[str, str]]] = {}
+
+    def of(self, frame: int) -> list[dict[str, str]]:
+        """Rows of a frame, by the names of columns."""
+        if frame not in self._rows:
+            self._read_on()
+        return self._rows.get(frame, [])
+
+    def times(self) -> dict[int, float]:
+        """Of all frames that have bodies [s]."""
+        self._read_on()
+        return {frame: float(rows[0]["time"]) for frame, rows in self._rows.items()}
+
+    def _read_on(self) -> None:
+        with self._path.open(newline="", encoding="utf-8") as file:
+            file.seek(self._read)
+            added = file.read()
+            self._read = file.tell()
+        lines = csv.reader(added.splitlines())
+        if not self._names:
+            self._names = next(lines)
+        for line in lines:
+            row = dict(zip(self._names, line, strict=True))
+            self._rows.setdefault(int(row["frame"]), []).append(row)
+
+
 @dataclass(frozen=True)
 class Frame:
     """One frame in the folder of a run; its arrays are read when they are asked for. Raises OSError and
@@ -53,6 +89,8 @@ class Frame:
     """Where the files of the run are."""
     _kept: TemporaryDirectory | None = field(default=None, repr=False, compare=False)
     """The folder, where it is to be removed with the last frame that is in it."""
+    _table: BodyTable | None = field(default=None, repr=False, compare=False)
+    """What frames of one run share."""
 
     @cached_property
     def fluid(self) -> np.ndarray | None:
@@ -77,8 +115,7 @@ class Frame:
     @cached_property
     def bodies(self) -> dict[str, Body]:
         """The solids by name."""
-        with (self.folder / "bodies.csv").open(newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.DictReader(file) if int(row["frame"]) == self.number]
+        rows = (self._table or BodyTable(self.folder)).of(self.number)
         return {row["body"]: Body(*(np.array([float(row[name]) for name in names]) for names in _BODY)) for row in rows}
 
     @cached_property
@@ -98,8 +135,21 @@ def _sheet(path: Path) -> Sheet:
 
 
 def frames(folder: Path | str) -> Iterator[Frame]:
-    """The frames that a run left in a folder: that of `tidemill run`, or results/NAME/QUALITY/simulation/000."""
-    with (Path(folder) / "bodies.csv").open(newline="", encoding="utf-8") as file:
-        times = {int(row["frame"]): float(row["time"]) for row in csv.DictReader(file)}
+    """The frames that a run left in a folder: that of `tidemill run`, or results/NAME/QUALITY/simulation/000.
+
+    Raises OSError where there was no run, and Refused where only a run of an older version can tell their times.
+    """
+    folder = Path(folder)
+    table = BodyTable(folder)
+    times = table.times()
+    files = (path for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern))
+    more = {int(path.stem.rpartition("_")[2]) for path in files} - set(times)
+    if more:
+        fps = json.loads((folder / "summary.json").read_text(encoding="utf-8")).get("fps")
+        if fps is None:
+            raise Refused(
+                f"{folder / 'summary.json'} is of an older version and has no fps", remedy="simulate it again"
+            )
+        times |= {number: number / fps for number in more}
     for number, time in sorted(times.items()):
-        yield Frame(number, time, Path(folder))
+        yield Frame(number, time, folder, _table=table)

@@ -19,7 +19,7 @@ from scene.document import SceneError
 from scene.load import Scene
 from scene.load import load as load_file
 from scene.settings import Refused
-from tidemill.frame import Body, Frame, Sheet, frames
+from tidemill.frame import Body, BodyTable, Frame, Sheet, frames
 from workflow.plan.jobs import Plan
 from workflow.plan.shelf import SCENE_FILES
 from workflow.stages.surface.mesh import Surface
@@ -80,12 +80,12 @@ def simulate(
     spec = scene.simulation.before(last / scene.simulation.fps)
     run = Run(spec, scene.folder, threads=threads, arch=arch)
     run.start()
-    output = Output(folder, run.spec)
+    output, table = Output(folder, run.spec), BodyTable(folder)
     try:
-        write_json(folder / "summary.json", filmed(run.world))
+        write_json(folder / "summary.json", {"fps": spec.fps} | filmed(run.world))
         for number in range(last + 1):
             run.frames(number, output, write_first=number == 0, done=lambda: None)
-            yield Frame(number, run.clock.time, folder, kept)
+            yield Frame(number, run.clock.time, folder, kept, table)
     finally:
         output.close()
 

@@ -83,6 +83,24 @@ def test_files_are_those_of_a_run(path, tmp_path):
     assert again[2].bodies["ball"].position[1] < 0.26
 
 
+@pytest.mark.parametrize(
+    "materials",
+    [{"containers", "fluid"}, *(pytest.param(alone, marks=pytest.mark.slow) for alone in ({"rigid"}, {"cloth"}))],
+    ids=lambda materials: max(materials),
+)
+def test_the_frames_of_one_material_alone(tmp_path, materials):
+    absent = {"containers", "fluid", "rigid", "cloth"} - materials
+    path = tmp_path / "alone.yaml"
+    path.write_text(json.dumps({name: value for name, value in SCENE.items() if name not in absent}))
+    written = list(tidemill.simulate(tidemill.load(path), out=tmp_path, arch="cpu", threads=1))
+    read = list(tidemill.frames(tmp_path))
+    assert [(frame.number, frame.time) for frame in read] == [(0, 0.0), (1, 0.05), (2, 0.1)]
+    for one, other in zip(written, read, strict=True):
+        assert np.array_equal(one.positions, other.positions)
+        assert one.bodies.keys() == other.bodies.keys() == ({"ball"} if materials == {"rigid"} else set())
+        assert one.cloth.keys() == other.cloth.keys() == ({"rag"} if materials == {"cloth"} else set())
+
+
 def test_files_go_with_the_last_frame():
     scene = tidemill.load("stack", quality="draft")
     frame = next(iter(tidemill.simulate(scene, last=0, arch="cpu")))
