@@ -49,7 +49,7 @@ gradients are not corrected, and from which they are."""
 FLAT, ROUND = 0.25, 0.5
 """The same of the determinant of the sum: neighbours that lie in a plane tell no gradient across it."""
 
-OVERLAP = 0.05
+OVERLAP = 0.1
 """Third of the trace of the sum over what half-spaces reach over, from which on gradients are not corrected."""
 BEHIND = 0.25
 """Spacings behind the surface of a half-space from which on a particle counts whole as one that it reaches over."""
