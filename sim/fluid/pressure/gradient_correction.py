@@ -28,7 +28,7 @@ import numpy as np
 from sim.device.arrays import Declared, Vec4Array, mat3, real, vec3, vec4
 from sim.device.compiler import ti
 from sim.fluid.boundary.faces import Faces
-from sim.fluid.boundary.gaps import pressing_density, velocity_in_gap
+from sim.fluid.boundary.gaps import facing, pressing_density, velocity_in_gap
 from sim.fluid.boundary.half_space import along_faces, lacking_along
 from sim.fluid.boundary.samples import approach, sheet_share
 from sim.fluid.forces.pairwise import Lens, matrix
@@ -97,16 +97,21 @@ def _share_back(system: FluidSystem, dt: float) -> float:
 @ti.func
 def overlap(i: ti.i32, position: Vec4Array, near: ti.template(), walls: ti.template(), inverse_h: real) -> real:
     """A third of the trace of the sum over particles behind half-spaces near particle i, over the kernel's norm and the
-    volume of a particle [m^5]."""
-    behind = ti.cast(0.0, real)
-    for k in range(near.size[i]):
-        d = position[i].xyz - position[near.index[i, k]].xyz
-        depth = ti.cast(0.0, real)
-        for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
-            depth = ti.max(depth, walls.face[e].xyz.dot(d) - walls.face[e][DISTANCE])
-        if depth > 0.0:
-            counts = ti.min(depth / (BEHIND * walls.spacing), 1.0)
-            behind -= counts * cubic_slope(d.norm() * inverse_h) * d.dot(d) / 3.0
+    volume of a particle [m^5]; none in a gap, which fluid is squeezed out of by the velocities that are corrected."""
+    behind, gap = ti.cast(0.0, real), False
+    first, last = walls.begin[i], walls.begin[i] + walls.size[i]
+    for e in range(first, last):
+        for other in range(first, e):
+            gap = gap or facing(walls.face[e].xyz, walls.face[other].xyz)
+    if not gap:
+        for k in range(near.size[i]):
+            d = position[i].xyz - position[near.index[i, k]].xyz
+            depth = ti.cast(0.0, real)
+            for e in range(first, last):
+                depth = ti.max(depth, walls.face[e].xyz.dot(d) - walls.face[e][DISTANCE])
+            if depth > 0.0:
+                counts = ti.min(depth / (BEHIND * walls.spacing), 1.0)
+                behind -= counts * cubic_slope(d.norm() * inverse_h) * d.dot(d) / 3.0
     return behind
 
 
