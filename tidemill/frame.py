@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -49,7 +49,7 @@ class BodyTable:
     def __init__(self, folder: Path):
         self._path = folder / "bodies.csv"
         self._read = 0
-        self._names: list[str] = []
+        self._names: Sequence[str] | None = None
         self._rows: dict[int, list[dict[str, str]]] = {}
 
     def of(self, frame: int) -> list[dict[str, str]]:
@@ -66,14 +66,10 @@ class BodyTable:
     def _read_on(self) -> None:
         with self._path.open(newline="", encoding="utf-8") as file:
             file.seek(self._read)
-            added = file.read()
-            self._read = file.tell()
-        lines = csv.reader(added.splitlines())
-        if not self._names:
-            self._names = next(lines)
-        for line in lines:
-            row = dict(zip(self._names, line, strict=True))
-            self._rows.setdefault(int(row["frame"]), []).append(row)
+            reader = csv.DictReader(file, self._names)
+            for row in reader:
+                self._rows.setdefault(int(row["frame"]), []).append(row)
+            self._names, self._read = reader.fieldnames, file.tell()
 
 
 @dataclass(frozen=True)

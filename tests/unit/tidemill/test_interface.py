@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import tidemill
+from tests.support.in_time import in_time
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENE = {
@@ -85,7 +86,7 @@ def test_files_are_those_of_a_run(path, tmp_path):
 
 @pytest.mark.parametrize(
     "materials",
-    [{"containers", "fluid"}, *(pytest.param(alone, marks=pytest.mark.slow) for alone in ({"rigid"}, {"cloth"}))],
+    [{"containers", "fluid"}, *in_time({"rigid"}, {"cloth"})],
     ids=lambda materials: max(materials),
 )
 def test_the_frames_of_one_material_alone(tmp_path, materials):

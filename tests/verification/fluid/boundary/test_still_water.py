@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.support.in_time import in_time
 from tests.support.particles import read_table
 
 SPACING = 0.015
@@ -24,10 +25,7 @@ SOLIDS = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name == "box on the ground" else pytest.mark.slow) for name in SOLIDS],
-)
+@pytest.mark.parametrize("name", [*list(SOLIDS)[:1], *in_time(*list(SOLIDS)[1:])])
 def test_nothing_feeds_a_current_around_a_solid(simulate, name):
     data = {
         "fps": 10,
