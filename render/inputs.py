@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from common.simulation_files import BadTable, BodyState, BodyTable
 from render.content.axes import Quaternion, Vector, triple, z_up, z_up_quaternion
 from render.errors import Unusable
 
@@ -123,22 +123,13 @@ class Inputs:
     def poses(self, frames: Iterable[int]) -> dict[int, dict[str, Pose]]:
         """Where the rigid bodies are, by frame and name; a body without a row is absent."""
         wanted: dict[int, dict[str, Pose]] = {frame: {} for frame in frames}
-        path = self.simulation / "bodies.csv"
-        if not path.exists():
+        table = BodyTable(self.simulation, wanted)
+        if not table.path.exists():
             return wanted
         try:
-            with path.open(newline="") as rows:
-                table = csv.DictReader(rows)
-                if "frame" not in (table.fieldnames or ()):
-                    raise ValueError("there is no column frame")
-                for row in table:
-                    frame = int(row["frame"])
-                    if frame in wanted:
-                        wanted[frame][row["body"]] = _pose(row)
-        except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
-            what = f"{path} is not a table of rigid bodies: {error!r}"
-            raise Unusable(f"{what}\n  fix: delete it, and simulate its frames again") from error
-        return wanted
+            return {frame: {name: _pose(body) for name, body in table.bodies(frame).items()} for frame in wanted}
+        except (OSError, BadTable) as error:
+            raise Unusable(f"{error}\n  fix: delete it, and simulate its frames again") from error
 
     @property
     def _summary(self) -> Path:
@@ -149,13 +140,10 @@ class Inputs:
         return {path.stem.removeprefix(f"{kind}_"): path for path in paths}
 
 
-def _pose(row: dict[str, str]) -> Pose:
-    def numbers(names: str) -> list[float]:
-        return [float(row[name]) for name in names.split()]
-
+def _pose(body: BodyState) -> Pose:
     return Pose(
-        position=z_up(numbers("x y z")),
-        rotation=z_up_quaternion(numbers("qw qx qy qz")),
-        velocity=z_up(numbers("vx vy vz")),
-        angular_velocity=z_up(numbers("wx wy wz")),
+        position=z_up(body.position),
+        rotation=z_up_quaternion(body.rotation),
+        velocity=z_up(body.velocity),
+        angular_velocity=z_up(body.angular_velocity),
     )

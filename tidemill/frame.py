@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from common.ply import columns, read_mesh, read_points
+from common.simulation_files import BodyTable, frames_of_files
 from scene.settings import Refused
 
 
@@ -42,40 +42,11 @@ class Sheet:
     """Indices of vertices, int32, shape [m, 3]."""
 
 
-class BodyTable:
-    """The rows of a `bodies.csv` by frame. Each is read once; those that a run adds meanwhile, when they are asked
-    for."""
-
-    def __init__(self, folder: Path):
-        self._path = folder / "bodies.csv"
-        self._read = 0
-        self._names: Sequence[str] | None = None
-        self._rows: dict[int, list[dict[str, str]]] = {}
-
-    def of(self, frame: int) -> list[dict[str, str]]:
-        """Rows of a frame, by the names of columns."""
-        if frame not in self._rows:
-            self._read_on()
-        return self._rows.get(frame, [])
-
-    def times(self) -> dict[int, float]:
-        """Of all frames that have bodies [s]."""
-        self._read_on()
-        return {frame: float(rows[0]["time"]) for frame, rows in self._rows.items()}
-
-    def _read_on(self) -> None:
-        with self._path.open(newline="", encoding="utf-8") as file:
-            file.seek(self._read)
-            reader = csv.DictReader(file, self._names)
-            for row in reader:
-                self._rows.setdefault(int(row["frame"]), []).append(row)
-            self._names, self._read = reader.fieldnames, file.tell()
-
-
 @dataclass(frozen=True)
 class Frame:
-    """One frame in the folder of a run; its arrays are read when they are asked for. Raises OSError and
-    common.ply.BadPly where files are missing or are other than a run writes them."""
+    """One frame in the folder of a run; its arrays are read when they are asked for. Raises OSError,
+    common.ply.BadPly and common.simulation_files.BadTable where files are missing or are other than a run writes
+    them."""
 
     number: int
     """From 0, the initial state."""
@@ -111,8 +82,8 @@ class Frame:
     @cached_property
     def bodies(self) -> dict[str, Body]:
         """The solids by name."""
-        rows = (self._table or BodyTable(self.folder)).of(self.number)
-        return {row["body"]: Body(*(np.array([float(row[name]) for name in names]) for names in _BODY)) for row in rows}
+        states = (self._table or BodyTable(self.folder)).bodies(self.number)
+        return {name: Body(*map(np.array, state)) for name, state in states.items()}
 
     @cached_property
     def cloth(self) -> dict[str, Sheet]:
@@ -120,9 +91,6 @@ class Frame:
         end = f"_{self.number:05d}.ply"
         files = {path.name.removeprefix("cloth_").removesuffix(end): path for path in self.folder.glob(f"cloth_*{end}")}
         return {name: _sheet(path) for name, path in sorted(files.items())}
-
-
-_BODY = (("x", "y", "z"), ("qw", "qx", "qy", "qz"), ("vx", "vy", "vz"), ("wx", "wy", "wz"))
 
 
 def _sheet(path: Path) -> Sheet:
@@ -133,13 +101,13 @@ def _sheet(path: Path) -> Sheet:
 def frames(folder: Path | str) -> Iterator[Frame]:
     """The frames that a run left in a folder: that of `tidemill run`, or results/NAME/QUALITY/simulation/000.
 
-    Raises OSError where there was no run, and Refused where only a run of an older version can tell their times.
+    Raises OSError where there was no run, BadTable for a table of bodies that is none, and Refused where only a run of
+    an older version can tell their times.
     """
     folder = Path(folder)
     table = BodyTable(folder)
-    times = table.times()
-    files = (path for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern))
-    more = {int(path.stem.rpartition("_")[2]) for path in files} - set(times)
+    times = dict(table.times())
+    more = frames_of_files(folder) - set(times)
     if more:
         fps = json.loads((folder / "summary.json").read_text(encoding="utf-8")).get("fps")
         if fps is None:

@@ -23,6 +23,7 @@ import numpy as np
 from common.command import as_called, end_with
 from common.distribution import HOME
 from common.ply import BadPly, columns, read_points
+from common.simulation_files import BadTable, BodyTable, frames_of_files
 from render.content.axes import z_up, z_up_columns
 from render.content.framing import View, view_of
 from render.content.ply import read_mesh
@@ -60,10 +61,8 @@ def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] 
     foamed = {_number(path): path.parent for folder in foams for path in folder.glob("foam_*.ply")}
     found: dict[int, Frame] = {}
     for folder in simulations:
-        numbers = {_number(path) for pattern in ("fluid_*.ply", "cloth_*.ply") for path in folder.glob(pattern)}
-        if not numbers and (folder / "bodies.csv").exists():
-            rows = (folder / "bodies.csv").read_text().splitlines()[1:]
-            numbers = {int(row.partition(",")[0]) for row in rows}
+        table = BodyTable(folder)
+        numbers = frames_of_files(folder) | set(table.times() if table.path.exists() else ())
         found |= {number: Frame(number, folder, meshed.get(number), foamed.get(number)) for number in sorted(numbers)}
     return found
 
@@ -236,7 +235,7 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
             raise Unusable(f"there is no frame {number}: there are {min(known)} to {max(known)}")
         out = options.out or results / "preview" / f"{number:05d}.png"
         draw(scene, known[number], out, particles=options.particles)
-    except (SceneError, Refused, RenderError, BadPly, OSError) as error:
+    except (SceneError, Refused, RenderError, BadPly, BadTable, OSError) as error:
         print(f"preview: {error}", file=sys.stderr)
         return 2
     print(out)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING
 
+from common.simulation_files import BadTable, BodyState, BodyTable
 from scene.settings import Refused
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ class Bodies:
         self._solids: dict[str, Body] = {}
         self._motions: dict[int, dict[str, Motion]] = {}
         for folder in folders:
-            self._read(folder / "bodies.csv")
+            self._read(folder)
 
     def passing(self, frame: int) -> list[Passing]:
         """The bodies on their way to a frame from the one before, by their names; what only one of them has is left
@@ -46,38 +46,28 @@ class Bodies:
             self._solids[name] = Body(mesh)
         return self._solids[name]
 
-    def _read(self, path: Path) -> None:
-        if not path.exists():
+    def _read(self, folder: Path) -> None:
+        table = BodyTable(folder)
+        if not table.path.exists():
             return
         try:
-            with path.open(newline="") as rows:
-                for row in _rows(rows):
-                    self._motions.setdefault(int(row["frame"]), {})[row["body"]] = _motion(row)
-        except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
-            raise Refused(
-                f"{path} is not a table of rigid bodies: {error!r}", remedy="delete it, and simulate it again"
-            ) from None
+            for frame in table.times():
+                moving = {name: _motion(body) for name, body in table.bodies(frame).items()}
+                self._motions.setdefault(frame, {}).update(moving)
+        except (OSError, ValueError, BadTable) as error:
+            raise Refused(str(error), remedy="delete it, and simulate it again") from None
 
 
-def _rows(file: TextIO) -> csv.DictReader:
-    table = csv.DictReader(file)
-    if "frame" not in (table.fieldnames or ()):
-        raise ValueError("there is no column frame")
-    return table
-
-
-def _motion(row: dict[str, str]) -> Motion:
+def _motion(body: BodyState) -> Motion:
     import numpy as np
     from scipy.spatial.transform import Rotation
 
     from sim.foam.bodies import Motion
 
-    def numbers(names: str) -> np.ndarray:
-        return np.array([float(row[name]) for name in names.split()])
-
+    w, x, y, z = body.rotation
     return Motion(
-        numbers("x y z"),
-        Rotation.from_quat(numbers("qx qy qz qw")),
-        numbers("vx vy vz"),
-        numbers("wx wy wz"),
+        np.array(body.position),
+        Rotation.from_quat((x, y, z, w)),
+        np.array(body.velocity),
+        np.array(body.angular_velocity),
     )
