@@ -29,6 +29,9 @@ def _registry():
     return pint.UnitRegistry(cache_folder=None)
 
 
+COMMON = {("mm", "m"): 1e-3, ("cm", "m"): 1e-2, ("ms", "s"): 1e-3, ("g", "kg"): 1e-3}
+"""Units of most scenes, with what they are of another: pint, which knows all, takes a quarter of a second to load."""
+
 _FACTOR = r"[A-Za-zµμ°]+(?:(?:\^|\*\*)?-?\d)?"
 # Only a number and a product of units: pint itself would also compute `9**9**9**9`.
 _QUANTITY = re.compile(
@@ -110,11 +113,14 @@ class Unit:
 
     def _parse(self, text: str) -> float:
         try:
-            quantity = _quantity(text)
-            if not _same_kind(str(quantity.units), self.symbol):
-                raise ValueError(text)
+            converted = self._by_table(text)
+            if converted is None:
+                quantity = _quantity(text)
+                if not _same_kind(str(quantity.units), self.symbol):
+                    raise ValueError(text)
+                converted = quantity.to(self.symbol).magnitude
             # 35 times 0.001 is not 0.035: the digits that were typed decide.
-            return float(f"{quantity.to(self.symbol).magnitude:.15g}")
+            return float(f"{converted:.15g}")
         except Exception as error:  # pint lets errors of every kind through
             example = "" if self.symbol == "1" else f", or a quantity such as '2 {self.symbol}'"
             raise PydanticCustomError(
@@ -122,6 +128,14 @@ class Unit:
                 "expected {number}{example}, got '{text}'",
                 {"number": self._number(), "example": example, "text": text[:80], "remedy": self._meant(text)},
             ) from error
+
+    def _by_table(self, text: str) -> float | None:
+        """The number in the field's unit, where it is given in that one or in a common one, before it is rounded."""
+        found = _QUANTITY.fullmatch(plain(text))
+        if found is None or found[2] is None:
+            return None
+        factor = 1.0 if found[2] == self.symbol else COMMON.get((found[2], self.symbol))
+        return None if factor is None else float(found[1]) * factor
 
     def _meant(self, text: str) -> str:
         """What to write instead; empty where that is not known."""

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sim.geometry.mass import MassProperties, from_covariance
 from sim.geometry.pose import Pose
 from sim.geometry.solids import Solid
-
-if TYPE_CHECKING:
-    import trimesh
+from sim.geometry.triangles import Triangles
 
 
 class AnalyticSolid(Solid):
@@ -62,8 +59,8 @@ class AnalyticSolid(Solid):
 class BoxSolid(AnalyticSolid):
     """A cuboid with edges `size` [m]."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], size: tuple[float, float, float]):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], size: tuple[float, float, float]):
+        super().__init__(pose, local)
         self.size = np.array(size, dtype=np.float64)
 
     def _half_extents(self) -> np.ndarray:
@@ -82,8 +79,8 @@ class BoxSolid(AnalyticSolid):
 class SphereSolid(AnalyticSolid):
     """A ball of `radius` [m]."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], radius: float):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], radius: float):
+        super().__init__(pose, local)
         self.radius = radius
 
     def _half_extents(self) -> np.ndarray:
@@ -102,8 +99,8 @@ class SphereSolid(AnalyticSolid):
 class CylinderSolid(AnalyticSolid):
     """A cylinder of `radius` and `height` [m] along its own y."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], radius: float, height: float):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], radius: float, height: float):
+        super().__init__(pose, local)
         self.radius = radius
         self.height = height
 
@@ -125,8 +122,8 @@ class CylinderSolid(AnalyticSolid):
 class CapsuleSolid(AnalyticSolid):
     """A cylinder of `radius` and `height` [m] along its own y, with half-spheres on both ends."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], radius: float, height: float):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], radius: float, height: float):
+        super().__init__(pose, local)
         self.radius = radius
         self.height = height
 
@@ -152,8 +149,8 @@ class CapsuleSolid(AnalyticSolid):
 class TorusSolid(AnalyticSolid):
     """A ring of `radius` and `tube_radius` [m] around its own y."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], radius: float, tube_radius: float):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], radius: float, tube_radius: float):
+        super().__init__(pose, local)
         self.radius = radius
         self.tube_radius = tube_radius
 

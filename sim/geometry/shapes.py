@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from common.registry import load
 from scene import assets
 from scene.settings import Refused
 from sim.geometry.analytic_solids import BoxSolid, CapsuleSolid, CylinderSolid, SphereSolid, TorusSolid
 from sim.geometry.pose import Pose
-from sim.geometry.solids import MeshSolid, PlaneSolid, SheetSolid, Solid, vertex_colors
+from sim.geometry.solids import MeshSolid, PlaneSolid, SheetSolid, Solid
 from sim.geometry.spec import (
     Box,
     Capsule,
@@ -28,16 +27,15 @@ from sim.geometry.spec import (
     Sphere,
     Torus,
 )
+from sim.geometry.tessellation import tessellate
+from sim.geometry.triangles import vertex_colors
 
 if TYPE_CHECKING:
     import trimesh
 
     from sim.geometry.meshes.repair_report import RepairReport
 
-__all__ = ["Solid", "load_mesh", "place", "tessellate"]
-
-# Largest gap between a curved surface and its triangles, over its radius.
-_CHORD_ERROR = 1e-3
+__all__ = ["Solid", "load_mesh", "place"]
 
 # Proper rotations that bring an axis of the file to y.
 _TO_Y_UP = {
@@ -63,62 +61,21 @@ def place(shape, placement: Placement, folder: Path) -> Solid:
             except Refused as refused:
                 raise refused.at("shape", "file") from refused
             return MeshSolid(pose, mesh, report)
-    local_mesh = functools.partial(tessellate, shape)
+    triangles = functools.partial(tessellate, shape)
     match shape:
         case Box():
-            return BoxSolid(pose, local_mesh, shape.size)
+            return BoxSolid(pose, triangles, shape.size)
         case Sphere():
-            return SphereSolid(pose, local_mesh, shape.radius)
+            return SphereSolid(pose, triangles, shape.radius)
         case Cylinder():
-            return CylinderSolid(pose, local_mesh, shape.radius, shape.height)
+            return CylinderSolid(pose, triangles, shape.radius, shape.height)
         case Capsule():
-            return CapsuleSolid(pose, local_mesh, shape.radius, shape.height)
+            return CapsuleSolid(pose, triangles, shape.radius, shape.height)
         case Torus():
-            return TorusSolid(pose, local_mesh, shape.radius, shape.tube_radius)
+            return TorusSolid(pose, triangles, shape.radius, shape.tube_radius)
         case Sheet():
-            return SheetSolid(pose, local_mesh, shape.size)
-    return MeshSolid(pose, local_mesh(), None)
-
-
-def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> trimesh.Trimesh:
-    """Triangles of a shape in its own frame [m]: watertight and outward, or an open rectangle for a sheet; of a shape
-    that an installed package adds, what its implementation makes of it.
-
-    All vertices lie on the surface; triangles are within about `chord_error` times the radius of it.
-    """
-    import trimesh
-
-    match shape:
-        case Box():
-            return trimesh.creation.box(extents=shape.size)
-        case Sheet():
-            x, z = np.array(shape.size) / 2
-            corners = [[-x, 0, -z], [-x, 0, z], [x, 0, z], [x, 0, -z]]
-            return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False)
-        case Sphere():
-            # The longest edge of an icosphere is 1.18 r / 2^n; the gap of a triangle edge^2 / (6 r).
-            halvings = np.log2(1.18 / np.sqrt(6 * chord_error))
-            return trimesh.creation.icosphere(subdivisions=max(0, int(np.ceil(halvings))), radius=shape.radius)
-        case Cylinder():
-            half = shape.height / 2
-            profile = np.array([[0.0, -half], [shape.radius, -half], [shape.radius, half], [0.0, half]])
-            return _revolved(profile, chord_error)
-        case Capsule():
-            angle = np.linspace(-np.pi / 2, np.pi / 2, 2 * _segments(np.pi / 2, chord_error) + 1)
-            end = np.sign(angle) * shape.height / 2
-            profile = shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])
-            profile[:, 1] += end
-            equator = len(angle) // 2
-            profile = np.insert(profile, equator, profile[equator], axis=0)
-            profile[[equator, equator + 1], 1] = -shape.height / 2, shape.height / 2
-            profile[[0, -1], 0] = 0.0
-            return _revolved(profile, chord_error)
-        case Torus():
-            angle = np.linspace(0, 2 * np.pi, _segments(2 * np.pi, chord_error) + 1)[:-1]
-            tube = shape.tube_radius * np.column_stack([np.cos(angle), np.sin(angle)])
-            tube[:, 0] += shape.radius
-            return _revolved(tube, chord_error, ring=True)
-    return load(shape.IMPLEMENTATION)(shape)
+            return SheetSolid(pose, triangles, shape.size)
+    return MeshSolid(pose, triangles().mesh(), None)
 
 
 def load_mesh(shape: MeshSurface, path: Path, *, closed: bool = True) -> tuple[trimesh.Trimesh, RepairReport | None]:
@@ -264,31 +221,3 @@ def _mending_sources() -> list[str]:
 
     preparing = (changes, closing, closest_points, openings, overlap, nesting, topology, union, winding)
     return [str(module.__file__) for module in (*preparing, repair, repair_report, shell)]
-
-
-def _segments(angle: float, chord_error: float) -> int:
-    """Chords of an arc of `angle` [rad] whose gap is `chord_error` of the radius: r (1 - cos(angle / 2n))."""
-    return max(3, int(np.ceil(angle / (2 * np.arccos(1 - chord_error)))))
-
-
-def _revolved(profile: np.ndarray, chord_error: float, *, ring: bool = False) -> trimesh.Trimesh:
-    """The closed surface swept by a profile of (radius, y), upward, about y; both ends on the axis, or a ring."""
-    import trimesh
-
-    number, sections = len(profile), _segments(2 * np.pi, chord_error)
-    angle = np.arange(sections) * (2 * np.pi / sections)
-    vertices = np.empty((sections, number, 3))
-    vertices[..., 0] = profile[:, 0] * np.cos(angle)[:, None]
-    vertices[..., 1] = profile[:, 1]
-    vertices[..., 2] = profile[:, 0] * np.sin(angle)[:, None]
-    index = np.arange(sections * number).reshape(sections, number)
-    if not ring:
-        # All sections share the two poles.
-        index[:, [0, -1]] = index[0, [0, -1]]
-    ahead = np.roll(index, -1, axis=0)
-    above, above_ahead = (np.roll(part, -1, axis=1) for part in (index, ahead))
-    quads = np.stack([index, above, above_ahead, ahead], axis=-1)[:, : None if ring else -1].reshape(-1, 4)
-    faces = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
-    used, faces = np.unique(faces[proper], return_inverse=True)
-    return trimesh.Trimesh(vertices.reshape(-1, 3)[used], faces.reshape(-1, 3), process=False)

@@ -12,6 +12,7 @@ import numpy as np
 from scene.settings import Refused
 from sim.geometry.mass import MassProperties, mass_properties
 from sim.geometry.pose import Pose
+from sim.geometry.triangles import Triangles
 
 if TYPE_CHECKING:
     import trimesh
@@ -22,14 +23,6 @@ if TYPE_CHECKING:
 UP = np.array([0.0, 1.0, 0.0])
 
 
-def vertex_colors(mesh: trimesh.Trimesh) -> np.ndarray | None:
-    """Red, green, blue and opacity of the vertices from 0 to 255, shape [n, 4]; None where they have no colours."""
-    from trimesh.visual import ColorVisuals
-
-    visual = mesh.visual
-    return visual.vertex_colors if isinstance(visual, ColorVisuals) and visual.kind == "vertex" else None
-
-
 class Solid(ABC):
     """A placed shape. All coordinates are those of the world [m]."""
 
@@ -38,21 +31,23 @@ class Solid(ABC):
     report: RepairReport | None = None
     """What was mended in a mesh file."""
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh] | None):
-        """local_mesh: makes the surface in the shape's own frame, once something asks for it; None for a plane."""
+    def __init__(self, pose: Pose, local: Callable[[], Triangles] | None):
+        """local: makes the surface in the shape's own frame, once something asks for it; None for a plane."""
         self.pose = pose
-        self._local_mesh = local_mesh
+        self._local = local
+
+    @functools.cached_property
+    def triangles(self) -> Triangles | None:
+        """The surface in world space, faces outward, in the colours of its file if it has any; None for a plane."""
+        if self._local is None:
+            return None
+        local = self._local()
+        return local._replace(vertices=self.pose.to_world(local.vertices))
 
     @functools.cached_property
     def mesh(self) -> trimesh.Trimesh | None:
-        """The surface in world space, faces outward, in the colours of its file if it has any; None for a plane."""
-        if self._local_mesh is None:
-            return None
-        import trimesh
-
-        local = self._local_mesh()
-        vertices = self.pose.to_world(local.vertices)
-        return trimesh.Trimesh(vertices, local.faces, vertex_colors=vertex_colors(local), process=False)
+        """The triangles as a mesh of the library; None for a plane."""
+        return None if self.triangles is None else self.triangles.mesh()
 
     @property
     def surface(self) -> trimesh.Trimesh:
@@ -145,7 +140,7 @@ class MeshSolid(Solid):
     """The inside of a closed mesh: where its winding number is positive, so that overlapping pieces unite."""
 
     def __init__(self, pose: Pose, mesh: trimesh.Trimesh, report: RepairReport | None = None):
-        super().__init__(pose, lambda: mesh)
+        super().__init__(pose, lambda: Triangles.of(mesh))
         self.report = report
 
     @property
@@ -204,8 +199,8 @@ class SheetSolid(Solid):
 
     closed = False
 
-    def __init__(self, pose: Pose, local_mesh: Callable[[], trimesh.Trimesh], size: tuple[float, float]):
-        super().__init__(pose, local_mesh)
+    def __init__(self, pose: Pose, local: Callable[[], Triangles], size: tuple[float, float]):
+        super().__init__(pose, local)
         self.size = np.array(size, dtype=np.float64)
         """Edge lengths along its own x and z before scaling [m], shape [2]."""
 

@@ -10,7 +10,6 @@ import numpy as np
 from common.ply import FLUID_POINT, write_mesh, write_points
 from scene.settings import given
 from sim.cloth.spec import Cloth
-from sim.geometry.solids import vertex_colors
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
 from sim.spec import SimulationSpec
@@ -174,9 +173,9 @@ class Output:
     def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
         if name not in self._meshes:
             self._meshes.add(name)
-            mesh = item.solid.surface
+            vertices, faces, colors = given(item.solid.triangles)
             centre = np.zeros(3) if item.hollow else item.centre
-            write_mesh(self.folder / f"{kind}_{name}.ply", mesh.vertices - centre, mesh.faces, vertex_colors(mesh))
+            write_mesh(self.folder / f"{kind}_{name}.ply", vertices - centre, faces, colors)
 
 
 def _body_state(item: Obstacle, time: float) -> list[float]:

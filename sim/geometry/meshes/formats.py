@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scene.settings import Refused
-from sim.geometry.solids import vertex_colors
+from sim.geometry.triangles import vertex_colors
 
 if TYPE_CHECKING:
     import trimesh

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
 
 import pytest
 from pydantic_core import PydanticCustomError
 
-from scene.units import Unit
+from scene import units
+from scene.units import COMMON, Unit
 
 GOOD = [
     ("m", "1 ft", 0.3048),
@@ -42,6 +44,15 @@ GOOD = [
 @pytest.mark.parametrize(("unit", "text", "value"), GOOD)
 def test_a_quantity(unit, text, value):
     assert Unit(unit).convert(text) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(("unit", "symbol"), COMMON)
+@pytest.mark.parametrize("number", ["1", "35", "-0.1", "12.7", "3e-3", "123456.789012", "0.0000012345678"])
+def test_the_table_of_common_units_says_what_pint_says(unit, symbol, number, monkeypatch):
+    text = f"{number} {unit}"
+    by_table = Unit(symbol).convert(text)
+    monkeypatch.setattr(units, "COMMON", {})
+    assert by_table == Unit(symbol).convert(text) == float(Decimal(number) * Decimal(str(COMMON[unit, symbol])))
 
 
 BAD = [

@@ -8,9 +8,10 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from scene.settings import Refused
-from sim.geometry.shapes import load_mesh, place, tessellate
-from sim.geometry.solids import vertex_colors
+from sim.geometry.shapes import load_mesh, place
 from sim.geometry.spec import Box, Capsule, Cylinder, MeshFile, Placement, Plane, Sheet, Sphere, Torus
+from sim.geometry.tessellation import tessellate
+from sim.geometry.triangles import vertex_colors
 
 PI = np.pi
 BOX = Box(type="box", size=(1, 2, 3))
@@ -56,12 +57,12 @@ def test_triangles_are_closed_outward_and_on_the_surface(shape, volume):
 def test_tessellation_converges(shape):
     """Volume error of order of the chord error: 16 times finer leaves less than 1/8."""
     volume = place(shape, Placement(), Path()).volume
-    coarse, fine = (abs(tessellate(shape, chord_error=error).volume - volume) for error in (1.6e-2, 1e-3))
+    coarse, fine = (abs(tessellate(shape, chord_error=error).mesh().volume - volume) for error in (1.6e-2, 1e-3))
     assert fine < coarse / 8
 
 
 def test_sheet_is_an_open_rectangle_facing_up():
-    mesh = tessellate(Sheet(type="sheet", size=(2, 3)))
+    mesh = tessellate(Sheet(type="sheet", size=(2, 3))).mesh()
     assert mesh.area == pytest.approx(6)
     np.testing.assert_allclose(mesh.face_normals, [[0, 1, 0], [0, 1, 0]])
     np.testing.assert_allclose(mesh.extents, [2, 0, 3])

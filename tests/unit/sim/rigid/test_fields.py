@@ -116,7 +116,7 @@ def test_a_solid_without_closed_forms_is_met_by_its_mesh():
         def mass_properties(self, density):
             return box.mass_properties(density)
 
-    shape = contact_shape(Other(box.pose, box._local_mesh))
+    shape = contact_shape(Other(box.pose, box._local))
     points = shape.origin + np.array(shape.features.centre) @ shape.turn.T
     assert len(points) > 8 and shape.grid
     assert np.abs(box.signed_distance(points)).max() < 1e-9
