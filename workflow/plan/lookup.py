@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from workflow.plan.jobs import Job
 from workflow.plan.results import Unrecorded, refuse_unrecorded, repairs
 from workflow.plan.specs import spec_file, write_spec
+
+Function = TypeVar("Function", bound=Callable)
+
+
+def with_signature(function: Function) -> Function:
+    """The function, for a rule: Snakemake looks for its parameters several times a job, which takes longer than to call
+    it unless it has them ready."""
+    function.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]  # of any callable
+    return function
 
 
 class JobLookup(ABC):
@@ -43,7 +53,7 @@ class JobLookup(ABC):
         """`of("render")("spec")` is a function of the wildcards, as rules take it."""
 
         def field(name: str) -> Callable[[Any], str]:
-            return lambda wildcards: str(getattr(self.job(stage, wildcards), name))
+            return with_signature(lambda wildcards: str(getattr(self.job(stage, wildcards), name)))
 
         return field
 
@@ -57,7 +67,7 @@ class JobLookup(ABC):
             except OSError as error:
                 stop(f"{error.filename}: cannot be written: {error.strerror}")
 
-        return file
+        return with_signature(file)
 
     def repairs(self, stage: str) -> Callable[[Any], str]:
         """A function of the wildcards: a value that changes while the result is damaged."""
@@ -66,7 +76,7 @@ class JobLookup(ABC):
             job = self.job(stage, wildcards)
             return repairs(job, complete=self.complete(job, wildcards))
 
-        return count
+        return with_signature(count)
 
 
 def stop(message: str) -> NoReturn:

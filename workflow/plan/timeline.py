@@ -1,8 +1,11 @@
 """How the frames of a film are cut into segments of simulation and blocks of pictures.
 
-Segment 0 holds the frames 0 to S and segment k the frames kS+1 to (k+1)S, where frame 0 is the
-initial state. Where fps allows it, whole seconds end with a segment: a film that grows by
-seconds gains segments and changes none.
+Frame 0 is the initial state, and segment k holds the S frames from kS+1 on; segment 0 frame 0 as well. Where fps allows
+it, whole seconds end with a segment: a film that grows by seconds gains segments and changes none.
+
+The longer the film, the longer segments are towards its end, so that it has no more than some hundreds: from the frame
+EQUAL S on they have 2 S frames, from 2 EQUAL S on 4 S, and so on. Where a film is cut up to some frame does not depend
+on how far it goes on. A crash then costs no more than two per cent of the film that there is.
 """
 
 from __future__ import annotations
@@ -16,6 +19,8 @@ LONGEST_SEGMENT = 16
 SHORTEST_USEFUL_SEGMENT = 4
 SEGMENT_WITHOUT_DIVISOR = 12
 BLOCK = 4
+EQUAL = 64
+"""Segments before the first that is twice as long."""
 
 
 def segment_length(fps: float) -> int:
@@ -43,35 +48,70 @@ class Timeline:
     @property
     def segments(self) -> int:
         """How many segments of simulation there are, at least 1."""
-        return max(1, math.ceil(self.last_frame / segment_length(self.fps)))
+        pieces = max(1, math.ceil(self.last_frame / self._segment_length))
+        return _segment_at(pieces - 1) + 1
 
     @property
     def blocks(self) -> int:
         """How many blocks of pictures there are, at least 1."""
-        return max(1, math.ceil(self.last_frame / self._block_length))
+        whole = self.segments - 1
+        start, doubled = _begin(whole)
+        rest = self.last_frame - start * self._segment_length
+        return whole * self._blocks_in_segment + max(1, math.ceil(rest / (self._block_length * doubled)))
 
     def segment(self, index: int) -> Frames:
         """Frames of a segment; raises IndexError."""
-        return self._part(index, self.segments, segment_length(self.fps))
+        self._find(index, self.segments)
+        start, doubled = _begin(index)
+        return self._part(start * self._segment_length, doubled * self._segment_length)
 
     def block(self, index: int) -> Frames:
         """Frames of a block; raises IndexError."""
-        return self._part(index, self.blocks, self._block_length)
+        self._find(index, self.blocks)
+        start, doubled = _begin(self.segment_of_block(index))
+        length = doubled * self._block_length
+        return self._part(start * self._segment_length + index % self._blocks_in_segment * length, length)
 
     def segment_of_block(self, index: int) -> int:
         """The one segment that holds the frames of a block."""
-        return index * self._block_length // segment_length(self.fps)
+        return index // self._blocks_in_segment
 
     def time(self, frame: int) -> float:
         """[s]"""
         return frame / self.fps
 
     @property
-    def _block_length(self) -> int:
-        return block_length(segment_length(self.fps))
+    def _segment_length(self) -> int:
+        return segment_length(self.fps)
 
-    def _part(self, index: int, count: int, length: int) -> Frames:
+    @property
+    def _block_length(self) -> int:
+        return block_length(self._segment_length)
+
+    @property
+    def _blocks_in_segment(self) -> int:
+        return self._segment_length // self._block_length
+
+    def _find(self, index: int, count: int) -> None:
         if not 0 <= index < count:
             raise IndexError(f"there is no part {index} of {count}")
-        first = 0 if index == 0 else index * length + 1
-        return Frames(first, min((index + 1) * length, self.last_frame))
+
+    def _part(self, before: int, length: int) -> Frames:
+        return Frames(before + 1 if before else 0, min(before + length, self.last_frame))
+
+
+def _begin(segment: int) -> tuple[int, int]:
+    """Where a segment begins and how long it is, both in lengths of the first one."""
+    if segment < EQUAL:
+        return segment, 1
+    doublings, later = divmod(segment - EQUAL, EQUAL // 2)
+    length = 2 << doublings
+    return EQUAL // 2 * length + later * length, length
+
+
+def _segment_at(place: int) -> int:
+    """The segment that holds a place, which is in lengths of the first one."""
+    doublings = (place // EQUAL).bit_length()
+    if not doublings:
+        return place
+    return EQUAL // 2 * (doublings + 1) + (place - (EQUAL << doublings - 1) >> doublings)

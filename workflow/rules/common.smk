@@ -14,10 +14,12 @@ def plan(wildcards):
     return catalog.plan(wildcards.scene, wildcards.get("quality"))
 
 
+@with_signature
 def scene_folder(wildcards):
     return str(plan(wildcards).scene.folder)
 
 
+@with_signature
 def previous_segment(wildcards):
     """The folder that a segment goes on from; none for the first."""
     catalog.job("simulate", wildcards)
@@ -25,6 +27,7 @@ def previous_segment(wildcards):
     return plan(wildcards).job("simulate", index - 1).folder if index else []
 
 
+@with_signature
 def resume(wildcards):
     """The option that names the state at the end of the segment before."""
     index = int(wildcards.segment)
@@ -34,6 +37,7 @@ def resume(wildcards):
     return ["--resume", f"{before.folder}/state_{before.frames.last:05d}.npz"]
 
 
+@with_signature
 def particles_of_segment(wildcards):
     catalog.job("reconstruct", wildcards)
     return catalog.job("simulate", wildcards).folder
@@ -47,7 +51,7 @@ def segment_of_block(stage):
         index = plan(wildcards).timeline.segment_of_block(int(wildcards.block))
         return plan(wildcards).job(stage, index).folder if plan(wildcards).parts(stage) else []
 
-    return folder
+    return with_signature(folder)
 
 
 def folder_option(name, stage):
@@ -57,9 +61,10 @@ def folder_option(name, stage):
         folder = segment_of_block(stage)(wildcards)
         return [name, folder] if folder else []
 
-    return option
+    return with_signature(option)
 
 
+@with_signature
 def fluid_of_foam(wildcards):
     """The folders with the particles of a segment, and of the frame before it."""
     catalog.job("foam", wildcards)
@@ -67,17 +72,20 @@ def fluid_of_foam(wildcards):
     return [plan(wildcards).job("simulate", k).folder for k in range(max(0, index - 1), index + 1)]
 
 
+@with_signature
 def previous_foam(wildcards):
     """The folder of foam that a segment goes on from; none for the first."""
     index = int(wildcards.segment)
     return plan(wildcards).job("foam", index - 1).folder if index else []
 
 
+@with_signature
 def resume_foam(wildcards):
     folder = previous_foam(wildcards)
     return ["--resume", folder] if folder else []
 
 
+@with_signature
 def fps(wildcards):
     return f"{plan(wildcards).timeline.fps:.17g}"
 
@@ -89,9 +97,10 @@ def all_parts(stage):
         catalog.job("film", wildcards)
         return [job.folder for job in plan(wildcards).jobs(stage)]
 
-    return folders
+    return with_signature(folders)
 
 
+@with_signature
 def half_the_cores(wildcards):
     """Two jobs fill the machine: a segment and a block of the one before, then two blocks. Profiles of clusters, where
     nobody knows the cores of a node before, set threads themselves."""
@@ -100,8 +109,9 @@ def half_the_cores(wildcards):
 
 def memory(stage):
     """A job that failed, perhaps since it had too little, gets twice as much when it is tried again."""
-    return lambda wildcards, attempt: estimate(stage, plan(wildcards).scene) * 2 ** (attempt - 1)
+    return with_signature(lambda wildcards, attempt: estimate(stage, plan(wildcards).scene) * 2 ** (attempt - 1))
 
 
+@with_signature
 def attempt_number(wildcards, attempt):
     return attempt

@@ -7,7 +7,9 @@ import pytest
 from workflow.plan.timeline import Timeline, block_length, segment_length
 
 SPANS = [
-    (fps, seconds) for fps in (1, 4, 5, 7, 12, 23, 24, 25, 26, 29.97, 30, 48, 50, 60, 120) for seconds in (1, 2, 3.5)
+    (fps, seconds)
+    for fps in (1, 4, 5, 7, 12, 23, 24, 25, 26, 29.97, 30, 48, 50, 60, 120)
+    for seconds in (1, 2, 3.5, 32, 32.1, 300, 1000)
 ]
 
 
@@ -62,6 +64,26 @@ def test_whole_seconds_end_with_a_segment_so_that_a_longer_film_only_adds(fps):
     short, long = Timeline(fps, 2 * fps), Timeline(fps, 3 * fps)
     assert [short.segment(k) for k in range(short.segments)] == [long.segment(k) for k in range(short.segments)]
     assert [short.block(b) for b in range(short.blocks)] == [long.block(b) for b in range(short.blocks)]
+
+
+@pytest.mark.parametrize("fps", [24, 25, 29.97, 60])
+def test_a_longer_film_changes_nothing_but_the_last_part(fps):
+    long = Timeline(fps, 20_000)
+    for last in (1, 500, 768, 769, 780, 5_000, 12_345):
+        short = Timeline(fps, last)
+        assert [short.segment(k) for k in range(short.segments - 1)] == [
+            long.segment(k) for k in range(short.segments - 1)
+        ]
+        assert [short.block(b) for b in range(short.blocks - 1)] == [long.block(b) for b in range(short.blocks - 1)]
+
+
+def test_a_film_of_any_length_has_some_hundreds_of_segments():
+    """64, and 32 more for each doubling; the longest has 1 of 32 to 64 of all frames."""
+    assert [Timeline(24, 768 << doublings).segments for doublings in range(5)] == [64, 96, 128, 160, 192]
+    film = Timeline(24, 10_000)
+    assert film.segments == 181
+    assert film.blocks == 541
+    assert max(len(film.segment(k)) for k in range(film.segments)) == 192
 
 
 def test_a_part_that_does_not_exist():
