@@ -57,12 +57,11 @@ def dry_run(snakefile: Path, folder: Path, target: str, planned: int) -> float:
     return wall
 
 
-def project(folder: Path, frames: int) -> Path:
-    """A folder with the sources and one scene of so many frames; returns its Snakefile."""
+def project(folder: Path) -> Path:
+    """A folder with the sources and one for scenes; returns its Snakefile."""
     for name in ("common", "scene", "workflow", "sim", "render", "Snakefile"):
         (folder / name).symlink_to(ROOT / name)
     (folder / "scenes").mkdir()
-    (folder / "scenes" / "film.yaml").write_text(SCENE.format(duration=frames / FPS, fps=FPS))
     return folder / "Snakefile"
 
 
@@ -73,7 +72,9 @@ def main() -> None:
     options = parser.parse_args()
     film, bare, jobs = [], [], jobs_of_film(options.frames)
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
-        snakefile, nothing = project(Path(one), options.frames), Path(other) / "Snakefile"
+        snakefile, nothing = project(Path(one)), Path(other) / "Snakefile"
+        scene = SCENE.format(duration=options.frames / FPS, fps=FPS)
+        (Path(one) / "scenes" / "film.yaml").write_text(scene)
         nothing.write_text(BARE.format(others=jobs - 1))
         for _ in range(options.turns):
             film.append(dry_run(snakefile, Path(one), "renders/film", jobs))
