@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 from common.frames import Frames
 
@@ -23,6 +24,7 @@ EQUAL = 64
 """Segments before the first that is twice as long."""
 
 
+@cache
 def segment_length(fps: float) -> int:
     """The largest divisor of fps that is at most 16; 12 where fps has no useful divisor."""
     if fps == round(fps):
@@ -32,6 +34,7 @@ def segment_length(fps: float) -> int:
     return SEGMENT_WITHOUT_DIVISOR
 
 
+@cache
 def block_length(segment: int) -> int:
     """The divisor of the segment's length that is nearest to 4 frames, so that the last cores end together."""
     divisors = [d for d in range(1, segment + 1) if segment % d == 0]
