@@ -137,11 +137,12 @@ def test_no_two_new_particles_crowd() -> None:
     assert len(KDTree(middle[len(points) :]).query_pairs(0.999 * ROOM)) == 0
 
 
-def test_the_first_of_a_crowd_stays() -> None:
-    points = np.random.default_rng(3).random((400, 3))
+@pytest.mark.parametrize("number", [0, 400, 6000])
+def test_the_first_of_a_crowd_stays(number: int) -> None:
+    points = np.random.default_rng(3).random((number, 3))
     distance = 0.15
     kept: list[int] = []
     for index, point in enumerate(points):
-        if all(np.linalg.norm(point - points[other]) > distance for other in kept):
+        if np.all(np.linalg.norm(point - points[kept], axis=1) > distance):
             kept.append(index)
     assert first_come(points, distance).tolist() == kept
