@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-
 FIRST, GROWTH = 1000, 4
 """Points that are thinned at a time: so many at first, then so many times as many as before."""
 
