@@ -62,7 +62,7 @@ def frames(simulations: list[Path], surfaces: list[Path], foams: Sequence[Path] 
     found: dict[int, Frame] = {}
     for folder in simulations:
         table = BodyTable(folder)
-        numbers = frames_of_files(folder) | set(table.times() if table.path.exists() else ())
+        numbers = frames_of_files(folder) or set(table.times() if table.path.exists() else ())
         found |= {number: Frame(number, folder, meshed.get(number), foamed.get(number)) for number in sorted(numbers)}
     return found
 
