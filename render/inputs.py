@@ -123,13 +123,15 @@ class Inputs:
     def poses(self, frames: Iterable[int]) -> dict[int, dict[str, Pose]]:
         """Where the rigid bodies are, by frame and name; a body without a row is absent."""
         wanted: dict[int, dict[str, Pose]] = {frame: {} for frame in frames}
-        table = BodyTable(self.simulation, wanted)
+        table = BodyTable(self.simulation, frozenset(wanted))
         if not table.path.exists():
             return wanted
         try:
-            return {frame: {name: _pose(body) for name, body in table.bodies(frame).items()} for frame in wanted}
+            for frame in table.times():
+                wanted[frame] = {name: _pose(body) for name, body in table.bodies(frame).items()}
         except (OSError, BadTable) as error:
             raise Unusable(f"{error}\n  fix: delete it, and simulate its frames again") from error
+        return wanted
 
     @property
     def _summary(self) -> Path:

@@ -43,13 +43,18 @@ _BARE_POWER = re.compile(r"(?<=[A-Za-zµμ°])-?\d")
 """Of units as they are often typed: `kg/m3`, `m s-2`."""
 
 
+def _match(text: str) -> re.Match[str] | None:
+    """The number and the unit, or None, of a text that is a quantity."""
+    return _QUANTITY.fullmatch(plain(text))
+
+
 def _units(text: str) -> str:
     return "1" + text if text.startswith("/") else _BARE_POWER.sub(r"^\g<0>", text)
 
 
 def _quantity(text: str) -> pint.Quantity:
     """The number and unit of a text; raises ValueError where it holds anything else."""
-    found = _QUANTITY.fullmatch(plain(text))
+    found = _match(text)
     if found is None:
         raise ValueError(text)
     number, unit = found.groups()
@@ -131,7 +136,7 @@ class Unit:
 
     def _by_table(self, text: str) -> float | None:
         """The number in the field's unit, where it is given in that one or in a common one, before it is rounded."""
-        found = _QUANTITY.fullmatch(plain(text))
+        found = _match(text)
         if found is None or found[2] is None:
             return None
         factor = 1.0 if found[2] == self.symbol else COMMON.get((found[2], self.symbol))
@@ -141,7 +146,7 @@ class Unit:
         """What to write instead; empty where that is not known."""
         if self.symbol == "1" and (percent := re.fullmatch(r"\s*([\d.]+)\s*%\s*", text)):
             return f"write {float(percent[1]) / 100:g}"
-        match = _QUANTITY.fullmatch(plain(text))
+        match = _match(text)
         if match is None or not match[2]:
             return meant(text)
         number, unit = match.groups()

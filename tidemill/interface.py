@@ -15,11 +15,12 @@ from typing import Any
 from common.distribution import HOME, environment
 from common.files import write_json
 from common.ply import write_surface
+from common.simulation_files import BodyTable
 from scene.document import SceneError
 from scene.load import Scene
 from scene.load import load as load_file
 from scene.settings import Refused
-from tidemill.frame import Body, BodyTable, Frame, Sheet, frames
+from tidemill.frame import Body, Frame, Sheet, frames
 from workflow.plan.jobs import Plan
 from workflow.plan.shelf import SCENE_FILES
 from workflow.stages.surface.mesh import Surface

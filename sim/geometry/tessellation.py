@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -27,7 +28,7 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> Triangles:
     """
     match shape:
         case Box():
-            return _scaled("box", {}, np.array(shape.size))
+            return _scaled("box", np.array(shape.size))
         case Sheet():
             x, z = np.array(shape.size) / 2
             corners = np.array([[-x, 0, -z], [-x, 0, z], [x, 0, z], [x, 0, -z]])
@@ -35,7 +36,7 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> Triangles:
         case Sphere():
             # The longest edge of an icosphere is 1.18 r / 2^n; the gap of a triangle edge^2 / (6 r).
             halvings = np.log2(1.18 / np.sqrt(6 * chord_error))
-            return _scaled("icosphere", {"subdivisions": max(0, int(np.ceil(halvings)))}, np.array(shape.radius))
+            return _scaled("icosphere", np.array(shape.radius), subdivisions=max(0, int(np.ceil(halvings))))
         case Cylinder():
             half = shape.height / 2
             profile = np.array([[0.0, -half], [shape.radius, -half], [shape.radius, half], [0.0, half]])
@@ -59,9 +60,14 @@ def tessellate(shape, *, chord_error: float = _CHORD_ERROR) -> Triangles:
     return Triangles.of(make(shape))
 
 
-def _scaled(name: str, arguments: dict[str, int], by: np.ndarray) -> Triangles:
+def _scaled(name: str, by: np.ndarray, **arguments: int) -> Triangles:
     """A shape of edge or radius 1 that trimesh.creation makes, `by` times as large [m]."""
+    unit = _unit(name, **arguments)
+    return Triangles(unit["vertices"] * by, unit["faces"].copy())
 
+
+@functools.cache
+def _unit(name: str, **arguments: int) -> cache.Arrays:
     def compute() -> cache.Arrays:
         import trimesh
 
@@ -69,8 +75,7 @@ def _scaled(name: str, arguments: dict[str, int], by: np.ndarray) -> Triangles:
         return {"vertices": np.asarray(mesh.vertices), "faces": np.asarray(mesh.faces)}
 
     # Kept, since to load trimesh takes longer than to start many a scene.
-    unit = cache.cached(name, compute, arguments=arguments, arrays=[], sources=[], packages=("numpy", "trimesh"))
-    return Triangles(unit["vertices"] * by, unit["faces"])
+    return cache.cached(name, compute, arguments=arguments, arrays=[], sources=[], packages=("numpy", "trimesh"))
 
 
 def _segments(angle: float, chord_error: float) -> int:

@@ -5,7 +5,7 @@ it, whole seconds end with a segment: a film that grows by seconds gains segment
 
 The longer the film, the longer segments are towards its end, so that it has no more than some hundreds: from the frame
 EQUAL S on they have 2 S frames, from 2 EQUAL S on 4 S, and so on. Where a film is cut up to some frame does not depend
-on how far it goes on. A crash then costs no more than two per cent of the film that there is.
+on how far it goes on. None of the longer ones has more than a thirty-second of the frames before it.
 """
 
 from __future__ import annotations
@@ -58,22 +58,22 @@ class Timeline:
     def blocks(self) -> int:
         """How many blocks of pictures there are, at least 1."""
         whole = self.segments - 1
-        start, doubled = _begin(whole)
+        start, length = _begin(whole)
         rest = self.last_frame - start * self._segment_length
-        return whole * self._blocks_in_segment + max(1, math.ceil(rest / (self._block_length * doubled)))
+        return whole * self._blocks_in_segment + max(1, math.ceil(rest / (length * self._block_length)))
 
     def segment(self, index: int) -> Frames:
         """Frames of a segment; raises IndexError."""
-        self._find(index, self.segments)
-        start, doubled = _begin(index)
-        return self._part(start * self._segment_length, doubled * self._segment_length)
+        self._refuse_outside(index, self.segments)
+        start, length = _begin(index)
+        return self._part(start * self._segment_length, length * self._segment_length)
 
     def block(self, index: int) -> Frames:
         """Frames of a block; raises IndexError."""
-        self._find(index, self.blocks)
-        start, doubled = _begin(self.segment_of_block(index))
-        length = doubled * self._block_length
-        return self._part(start * self._segment_length + index % self._blocks_in_segment * length, length)
+        self._refuse_outside(index, self.blocks)
+        start, length = _begin(self.segment_of_block(index))
+        frames = length * self._block_length
+        return self._part(start * self._segment_length + index % self._blocks_in_segment * frames, frames)
 
     def segment_of_block(self, index: int) -> int:
         """The one segment that holds the frames of a block."""
@@ -95,7 +95,7 @@ class Timeline:
     def _blocks_in_segment(self) -> int:
         return self._segment_length // self._block_length
 
-    def _find(self, index: int, count: int) -> None:
+    def _refuse_outside(self, index: int, count: int) -> None:
         if not 0 <= index < count:
             raise IndexError(f"there is no part {index} of {count}")
 

@@ -54,8 +54,12 @@ class Bodies:
             for frame in table.times():
                 moving = {name: _motion(body) for name, body in table.bodies(frame).items()}
                 self._motions.setdefault(frame, {}).update(moving)
-        except (OSError, ValueError, BadTable) as error:
+        except (OSError, BadTable) as error:
             raise Refused(str(error), remedy="delete it, and simulate it again") from None
+        except ValueError as error:
+            raise Refused(
+                f"{table.path} has a rotation that is none: {error}", remedy="delete it, and simulate it again"
+            ) from None
 
 
 def _motion(body: BodyState) -> Motion:

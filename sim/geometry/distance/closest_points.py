@@ -17,8 +17,7 @@ _FEW_POINTS = 5_000
 _NEIGHBOURS = (8, 32)
 # Cover radii from the surface beyond which the first candidates are near enough to the best.
 _FAR = 10.0
-# Short enough that a signal is heard within a second.
-_QUERIES_AT_ONCE = 100_000
+_QUERIES_AT_ONCE = 1_000_000
 
 
 class MeshDistance:
