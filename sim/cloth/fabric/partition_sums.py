@@ -5,11 +5,16 @@ from sim.device.compiler import ti
 
 
 @ti.func
+def partition_start(partition: ti.i32, count: ti.i32) -> ti.i32:
+    """Where one of PARTITIONS ranges of so many terms begins."""
+    return ti.min(partition * ((count + PARTITIONS - 1) // PARTITIONS), count)
+
+
+@ti.func
 def sum_partition(partition: ti.i32, count: ti.i32, total: ti.template(), term: ti.template()):
     """Add one of PARTITIONS ranges of so many terms to `total`, into a place behind them."""
-    size = (count + PARTITIONS - 1) // PARTITIONS
     whole = total
-    for k in range(ti.min(partition * size, count), ti.min((partition + 1) * size, count)):
+    for k in range(partition_start(partition, count), partition_start(partition + 1, count)):
         whole += term[k]
     term[count + partition] = whole
 

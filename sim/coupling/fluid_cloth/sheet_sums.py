@@ -128,7 +128,9 @@ def press(
             i = near.index[s, k]
             x = position[i].xyz + ahead * velocity[i].xyz
             gradient = _sample_gradient(s, i, x, fluid, samples, walls, inverse_h)
-            q = pressure[i].x if ti.static(found) else pressure[i][Q]
+            q = pressure[i][Q]
+            if ti.static(found):
+                q = pressure[i].x
             total += ti.cast(fluid.mass * q * gradient, ti.f64)
         force[s] = total
 

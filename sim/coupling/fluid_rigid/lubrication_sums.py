@@ -170,7 +170,9 @@ def press_rims(
         if elements.found[r].w > 0.0:
             for k in range(far.size[r]):
                 i = far.index[r, k]
-                q = pressure[i].x if ti.static(is_found) else pressure[i][Q]
+                q = pressure[i][Q]
+                if ti.static(is_found):
+                    q = pressure[i].x
                 total += share_of(r, i, fluid.h, fluid.mass / fluid.rest_density, position, elements.beyond) * q
             total *= fluid.rest_density * fluid.rest_density / ti.max(elements.found[r].z, WET)
         at_rim[r, 0] = total

@@ -206,7 +206,9 @@ def respond(
             e = bodies.order[entry]
             i = walls.particle[e]
             x = position[i].xyz + ahead * velocity[i].xyz
-            q = pressure[i].x if ti.static(found) else pressure[i][Q]
+            q = pressure[i][Q]
+            if ti.static(found):
+                q = pressure[i].x
             total += wrench_of(x - centre, strength * q * walls.pull[e].xyz)
         keep(bodies.partial, k, 0, total)
     for body in range(bodies.wrench.shape[0]):

@@ -38,7 +38,10 @@ def _add(sums: DoubleTable, columns: ti.template(), group: ti.i32, rows: ti.i32)
 @ti.func
 def _summands(grouped: ti.template(), rows: ti.i32) -> ti.types.vector(2, ti.i32):
     """Begin and end of what is left to sum: the rows, or the groups behind them."""
-    return ti.Vector([rows, rows + GROUPS]) if ti.static(grouped) else ti.Vector([0, rows])
+    within = ti.Vector([0, rows])
+    if ti.static(grouped):
+        within = ti.Vector([rows, rows + GROUPS])
+    return within
 
 
 @ti.func

@@ -109,9 +109,13 @@ def distance_on_grid(p: vec3, grid: Integers, frame: Numbers, values: ti.templat
     value, slope = ti.cast(0.0, ti.f64), vec3(0.0)
     for a, b, c in ti.static(ti.ndrange(2, 2, 2)):
         corner = ti.cast(values[first + ((i + a) * ny + j + b) * nz + k + c], ti.f64)
-        x = s[0] if ti.static(a == 1) else 1.0 - s[0]
-        y = s[1] if ti.static(b == 1) else 1.0 - s[1]
-        z = s[2] if ti.static(c == 1) else 1.0 - s[2]
+        x, y, z = s
+        if ti.static(a == 0):
+            x = 1.0 - x
+        if ti.static(b == 0):
+            y = 1.0 - y
+        if ti.static(c == 0):
+            z = 1.0 - z
         value += corner * x * y * z
         slope += corner * vec3((2 * a - 1) * y * z, (2 * b - 1) * x * z, (2 * c - 1) * x * y)
     if beyond.norm_sqr() > 0.0:

@@ -65,4 +65,9 @@ def edge_edge(a: vec3, b: vec3, c: vec3, d: vec3) -> Nearest:
 @ti.func
 def nearest(edges: ti.template(), p: vec3, q: vec3, r: vec3, s: vec3) -> Nearest:
     """Of the edges p q and r s, or of the point p and the triangle q r s."""
-    return edge_edge(p, q, r, s) if ti.static(edges) else point_triangle(p, q, r, s)
+    found = Nearest()
+    if ti.static(edges):
+        found = edge_edge(p, q, r, s)
+    else:
+        found = point_triangle(p, q, r, s)
+    return found

@@ -51,8 +51,11 @@ def find_near(
     to be kept. `itself`: queries are the leaves of the tree, and each looks only at those after it. `crowded`: pairs
     are no thicker than the share `at_rest` of their distance at rest."""
     for k in range(queries):
-        i = query[2 * k] if ti.static(edges) else query[k]
-        j = query[2 * k + 1] if ti.static(edges) else i
+        i, j = 0, 0
+        if ti.static(edges):
+            i, j = query[2 * k], query[2 * k + 1]
+        else:
+            i, j = query[k], query[k]
         lower = ti.min(ti.min(points.start[i], points.end[i]), ti.min(points.start[j], points.end[j])) - points.half[i]
         upper = ti.max(ti.max(points.start[i], points.end[i]), ti.max(points.start[j], points.end[j])) + points.half[i]
         count, node = 0, ti.select(tree.primitives > 0, 1, 0)

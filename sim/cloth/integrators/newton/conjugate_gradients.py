@@ -9,7 +9,7 @@ time.
 
 from sim.cloth.contact.augmented_lagrangian import admissible_force, on_body, separation, tangent_force, work_along
 from sim.cloth.fabric.layout import PARTITIONS, BlockMatrix, Contacts, CoupledBodies, Points
-from sim.cloth.fabric.partition_sums import sum_partition, sum_partitions
+from sim.cloth.fabric.partition_sums import partition_start, sum_partitions
 from sim.cloth.integrators.newton.linear_system import (
     BETA,
     CURVATURE,
@@ -27,8 +27,6 @@ from sim.cloth.integrators.newton.linear_system import (
 from sim.device.compiler import ti
 from sim.device.double import vec3
 
-AT_ONCE = 4
-"""Iterations in one launch."""
 TRIES, TRIES_ALONE = 3, 20
 """To find the length of a step, after the first: friction turns round within a hair's breadth, and threads that share
 the work pay for each."""
@@ -192,11 +190,47 @@ def solve_alone(
     return made
 
 
+@ti.func
+def _add_products(
+    partition: ti.i32, rows: ti.i32, points: ti.i32, p: ti.template(), bodies: ti.template(), matrix: ti.template(),
+    e: ti.template(),
+):  # fmt: skip
+    """Of A p, but for contacts, the rows of a partition, and their part of p.Ap."""
+    total = vec3(0.0, 0.0, 0.0)
+    for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
+        total += _multiply(i, points, p, bodies, matrix, e)
+    e.sum_term[rows + partition] = total
+
+
+@ti.func
+def _add_slopes(
+    linear: ti.template(), partition: ti.i32, contact_count: ti.i32, contacts: ti.template(), e: ti.template()
+):
+    """What the contacts of a partition do to the slope of the energy after a step."""
+    total = vec3(0.0, 0.0, 0.0)
+    for c in range(partition_start(partition, contact_count), partition_start(partition + 1, contact_count)):
+        total += _slope(linear, c, contacts, e)
+    e.sum_term[contact_count + partition] = total
+
+
+@ti.func
+def _update_rows(
+    partition: ti.i32, rows: ti.i32, points: ti.i32, p: ti.template(), contacts: ti.template(), bodies: ti.template(),
+    e: ti.template(),
+):  # fmt: skip
+    """Take the step with the rows of a partition."""
+    total = vec3(0.0, 0.0, 0.0)
+    for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
+        total += _update_row(i, points, p, contacts, bodies, e)
+    e.sum_term[rows + partition] = total
+
+
 @ti.kernel
 def iterate(
     linear: ti.template(),
+    touching: ti.template(),
     points: ti.i32,
-    body_count: ti.i32,
+    rows: ti.i32,
     contact_count: ti.i32,
     p: Points,
     contacts: Contacts,
@@ -204,40 +238,38 @@ def iterate(
     matrix: BlockMatrix,
     e: System,
 ) -> ti.f64:
-    """AT_ONCE iterations on all threads; returns r.z."""
-    for _again in ti.static(range(AT_ONCE)):
-        for i in range(points + 2 * body_count):
-            e.sum_term[i] = _multiply(i, points, p, bodies, matrix, e)
-        for partition in range(PARTITIONS):
-            sum_partition(partition, points + 2 * body_count, vec3(0.0, 0.0, 0.0), e.sum_term)
-        ti.loop_config(serialize=True)
-        for _once in range(1):
-            _begin_to_choose_step(sum_partitions(points + 2 * body_count, vec3(0.0, 0.0, 0.0), e.sum_term)[1], e)
+    """An iteration on all threads, for so many points, rows of points and bodies, and contacts; returns r.z.
+    `touching`: whether there are contacts. Threads meet after each loop, which takes as long as a thousand points: so
+    each loop does all that it can."""
+    ti.loop_config(block_dim=4)
+    for partition in range(PARTITIONS):
+        _add_products(partition, rows, points, p, bodies, matrix, e)
+    ti.loop_config(serialize=True)
+    for _once in range(1):
+        _begin_to_choose_step(sum_partitions(rows, vec3(0.0, 0.0, 0.0), e.sum_term)[1], e)
+        if ti.static(not touching):
+            _choose_step(vec3(0.0, 0.0, 0.0), e)
+    if ti.static(touching):
         for c in range(contact_count):
             if contacts.active[c]:
                 contacts.relative_displacement[c] = separation(c, points, contacts, e.direction)
         for _try in ti.static(range(1 + TRIES)):
-            for c in range(contact_count):
-                if e.scalar[SETTLED] == 0.0:
-                    e.sum_term[c] = _slope(linear, c, contacts, e)
+            ti.loop_config(block_dim=4)
             for partition in range(PARTITIONS):
                 if e.scalar[SETTLED] == 0.0:
-                    sum_partition(partition, contact_count, vec3(0.0, 0.0, 0.0), e.sum_term)
+                    _add_slopes(linear, partition, contact_count, contacts, e)
             ti.loop_config(serialize=True)
             for _once in range(1):
                 if e.scalar[SETTLED] == 0.0:
                     _choose_step(sum_partitions(contact_count, vec3(0.0, 0.0, 0.0), e.sum_term), e)
         for c in range(contact_count):
             _update_contact(linear, c, contacts, e)
-        for i in range(points + 2 * body_count):
-            e.sum_term[i] = _update_row(i, points, p, contacts, bodies, e)
-        for partition in range(PARTITIONS):
-            sum_partition(partition, points + 2 * body_count, vec3(0.0, 0.0, 0.0), e.sum_term)
-        ti.loop_config(serialize=True)
-        for _once in range(1):
-            conjugate_direction(
-                sum_partitions(points + 2 * body_count, vec3(0.0, 0.0, 0.0), e.sum_term), e.scalar[RESIDUAL], e
-            )
-        for i in range(points + 2 * body_count):
-            e.direction[i] = e.preconditioned[i] + e.scalar[BETA] * e.direction[i]
+    ti.loop_config(block_dim=4)
+    for partition in range(PARTITIONS):
+        _update_rows(partition, rows, points, p, contacts, bodies, e)
+    ti.loop_config(serialize=True)
+    for _once in range(1):
+        conjugate_direction(sum_partitions(rows, vec3(0.0, 0.0, 0.0), e.sum_term), e.scalar[RESIDUAL], e)
+    for i in range(rows):
+        e.direction[i] = e.preconditioned[i] + e.scalar[BETA] * e.direction[i]
     return e.scalar[RESIDUAL]

@@ -13,7 +13,6 @@ from sim.cloth.fabric.layout import PARTITIONS
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.cloth.integrators.newton import conjugate_gradients, linear_system, step_energy
 from sim.cloth.integrators.newton.block_matrix import find_pattern
-from sim.cloth.integrators.newton.conjugate_gradients import AT_ONCE
 from sim.cloth.integrators.newton.linear_system import SETTLED, System
 from sim.cloth.integrators.newton.step_energy import ElementForces
 from sim.cloth.integrators.newton.trial import Trial
@@ -167,11 +166,11 @@ class Newton:
         if mesh.alone:
             made = conjugate_gradients.solve_alone(linear, mesh.count, bodies, contacts, most, enough, *parts)
             return made, made <= most
-        for made in range(AT_ONCE, most + AT_ONCE, AT_ONCE):
-            left = conjugate_gradients.iterate(linear, mesh.count, bodies, contacts, *parts)
+        for made in range(1, most + 1):
+            left = conjugate_gradients.iterate(linear, contacts > 0, mesh.count, self._rows, contacts, *parts)
             if not left > enough:
                 return made, True
-        return made, False
+        return most, False
 
     def _descend(self, dt: float, energy: float, decrease: float) -> tuple[float, float, bool]:
         """A line search along the direction found, whose predicted decrease of the energy [J] is for the whole of it:
