@@ -22,9 +22,9 @@ from sim.run.probes.spec import Probe
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
 """-x, +x, -y, +y, -z, +z: the order of the planes of a box."""
-CFL_OF_IISPH = 0.3
-"""Under half of the CFL number up to which five balls of water may be thrown at a wall, 0.64:
-`python -m tests.stress.limits iisph`."""
+CFL = {"wcsph": 0.4, "pcisph": 0.4, "iisph": 0.3, "dfsph": 0.6}
+"""CFL numbers where a scene leaves them out: at most 0.4 times those up to which the solvers are stable (`python -m
+tests.stress.limits`), but for IISPH, whose limit is the lowest."""
 
 
 class BoxContainer(Contact):
@@ -59,8 +59,8 @@ class TimeStep(Settings):
     """How the time step is chosen."""
 
     cfl: Annotated[Dimensionless, Gt(0), Le(1)] = 0.4
-    """Largest distance that the fastest signal may travel in one step, over half the support radius; 0.3 where the
-    scene leaves it out and the solver is IISPH, which is the first to break in an impact."""
+    """Largest distance that the fastest signal may travel in one step, over half the support radius. Where a scene
+    leaves it out, 0.3 with IISPH, which is the first to break in an impact, and 0.6 with DFSPH, the last."""
     maximum: PositiveDuration | None = None
     """Never longer than this [s]."""
     fixed: PositiveDuration | None = None
@@ -134,8 +134,8 @@ class SimulationSpec(Settings):
 
     @model_validator(mode="after")
     def _step_of_the_solver(self) -> Self:
-        if self.fluid and self.fluid.solver == "iisph" and "cfl" not in self.step.model_fields_set:
-            object.__setattr__(self, "step", self.step.model_copy(update={"cfl": CFL_OF_IISPH}))
+        if self.fluid and "cfl" not in self.step.model_fields_set:
+            object.__setattr__(self, "step", self.step.model_copy(update={"cfl": CFL[self.fluid.solver]}))
         return self
 
     def materials(self) -> frozenset[str]:

@@ -49,15 +49,20 @@ def displacement_limit(distance: float, pace: float) -> float:
     return distance / pace if pace > 0 else math.inf
 
 
-def pressure_limit(distance: float, pressure: float, density: float) -> float:
-    """The step [s] in which sqrt(p / rho) goes 1.25 times the `distance` [m]; pressure [Pa].
+PRESSED = 0.4
+"""Beyond this CFL number, steps of fluid under pressure do not get longer."""
+
+
+def pressure_limit(half: float, cfl: float, pressure: float, density: float) -> float:
+    """The step [s] in which sqrt(p / rho) goes 1.25 cfl half, but with no larger CFL number than PRESSED; pressure
+    [Pa].
 
     Under a pressure p, particles of a lattice swing about their places, however pressures are found. The fastest wave
     that keeps densities is as short as two spacings; its frequency is 2.92 sqrt(p / rho) over the spacing
     (`tests/verification/fluid/pressure/test_pressed_lattice.py`), so that symplectic Euler is stable up to 0.69
-    spacings of sqrt(p / rho) in a step. The CFL number 0.4 makes that 0.5.
+    spacings of sqrt(p / rho) in a step. PRESSED makes that 0.5.
     """
-    return 1.25 * distance * math.sqrt(density / pressure) if pressure > 0 else math.inf
+    return 1.25 * min(cfl, PRESSED) * half * math.sqrt(density / pressure) if pressure > 0 else math.inf
 
 
 LIGHT = 25.0

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.spec import CFL_OF_IISPH
+from sim.spec import CFL
 from tests.support import bodies, cloths
 from tests.support.floating import EDGE, box_in_pool, track
 from tests.support.particles import read_table
@@ -206,9 +206,9 @@ def limits() -> dict[str, Limit]:
     courant = "Courant, Friedrichs and Lewy 1928: half the support in a step"
     return {
         "wcsph": Limit("CFL number, WCSPH", "step.cfl", 0.4, _basin("wcsph"), (0.2, 6.4), 1.0, courant),
-        "iisph": Limit("CFL number, IISPH", "step.cfl", CFL_OF_IISPH, _thrown("iisph"), (0.2, 6.4), 1.0, courant),
+        "iisph": Limit("CFL number, IISPH", "step.cfl", CFL["iisph"], _thrown("iisph"), (0.2, 6.4), 1.0, courant),
         "pcisph": Limit("CFL number, PCISPH", "step.cfl", 0.4, _thrown("pcisph"), (0.2, 6.4), 1.0, courant),
-        "dfsph": Limit("CFL number, DFSPH", "step.cfl", 0.4, _thrown("dfsph"), (0.2, 6.4), 1.0, courant),
+        "dfsph": Limit("CFL number, DFSPH", "step.cfl", CFL["dfsph"], _thrown("dfsph"), (0.2, 6.4), 1.0, courant),
         "symplectic": Limit(
             "step of symplectic Euler over Gershgorin's bound",
             "cloth.symplectic_euler.share",

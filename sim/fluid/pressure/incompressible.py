@@ -50,7 +50,7 @@ class Incompressible(PressureSolver):
         half = 0.5 * self.system.h
         return {
             "signal": displacement_limit(cfl * half, measure.pace + self.system.boundary.speed),
-            "pressure": pressure_limit(cfl * half, measure.pressure_max, self.system.spec.rest_density),
+            "pressure": pressure_limit(half, cfl, measure.pressure_max, self.system.spec.rest_density),
             "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
         } | self.momentum.step_limits()
 
