@@ -156,10 +156,6 @@ class FluidSystem:
         self.boundary.list(self.particles.position, self.count)
         self.update_half_spaces(since=dt)
 
-    def pressures(self) -> np.ndarray:
-        """Of the last step, of all that was solved for, as q = p / rho^2 [m^5/(kg s^2)], shape [n]."""
-        return self.particles.numpy("position")[:, 3].astype(np.float64)
-
     def measure(self, distance: float, speed_limit: float, level: float, depth: float) -> Measure:
         """Extremes, sums and error counts, in a fixed order of summation; the pace is for `distance` [m].
 

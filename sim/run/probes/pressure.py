@@ -17,5 +17,6 @@ MATERIALS = ("fluid",)
 
 def read(probe: Pressure, view: View) -> Iterator[Row]:
     """Pressure at the point [Pa]."""
-    pressure = pressure_at(view.fluid, given(view.world.fluid).system, view.world.origin, np.array(probe.at))
+    near = view.fluid.near_line((0, 1), probe.at[:2])
+    pressure = pressure_at(near, given(view.world.fluid).system, view.world.origin, np.array(probe.at))
     yield "pressure", pressure, "Pa"

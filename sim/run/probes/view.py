@@ -10,26 +10,63 @@ import numpy as np
 from scene.settings import given
 
 if TYPE_CHECKING:
+    from sim.fluid.system import FluidSystem
     from sim.run.world import World
 
 
 class Particles:
-    """Those of the fluid.
+    """Those of the fluid, or some of them, brought over from the device when they are first asked for.
 
     `points` [m] and `velocity` [m/s], shape [n, 3]; `density` [kg/m^3] and `pressure` of the last step [Pa], shape [n];
     `mass` of each [kg]; `h`, the kernel's support radius [m]; `spec`, the fluid's settings.
     """
 
-    def __init__(self, world: World):
-        model = given(world.fluid)
-        state = model.state()
-        self.h = model.system.h
-        self.mass = model.system.mass
-        self.spec = model.system.spec
-        self.points = state.position[:, :3].astype(np.float64) + world.origin
-        self.velocity = state.velocity[:, :3].astype(np.float64)
-        self.density = state.velocity[:, 3].astype(np.float64)
-        self.pressure = model.system.pressures() * self.density**2
+    def __init__(self, system: FluidSystem, origin: np.ndarray):
+        """origin: where the coordinates of the system start [m], shape [3]."""
+        self._system, self._origin = system, origin
+        self._rows: slice | np.ndarray = slice(None)
+        self.h = system.h
+        self.mass = system.mass
+        self.spec = system.spec
+
+    def near_line(self, axes: tuple[int, int], at: tuple[float, float]) -> Particles:
+        """Those within h of a line along the third axis, or a little further; `at`: where it is along `axes` [m]."""
+        found = np.arange(len(self._position))
+        for axis, place in zip(axes, at, strict=True):
+            found = found[np.abs(self._position[found, axis] - (place - self._origin[axis])) < 1.01 * self.h]
+        some = Particles(self._system, self._origin)
+        some._rows, some._position, some._velocity = found, self._position, self._velocity
+        return some
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """Where particles are [m]."""
+        return self._position[self._rows, :3].astype(np.float64) + self._origin
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        """[m/s]."""
+        return self._velocity[self._rows, :3].astype(np.float64)
+
+    @cached_property
+    def density(self) -> np.ndarray:
+        """[kg/m^3]."""
+        return self._velocity[self._rows, 3].astype(np.float64)
+
+    @cached_property
+    def pressure(self) -> np.ndarray:
+        """Of the last step [Pa]."""
+        from sim.fluid.layout import Q
+
+        return self._position[self._rows, Q].astype(np.float64) * self.density**2
+
+    @cached_property
+    def _position(self) -> np.ndarray:
+        return self._system.particles.numpy("position")
+
+    @cached_property
+    def _velocity(self) -> np.ndarray:
+        return self._system.particles.numpy("velocity")
 
 
 class View:
@@ -41,8 +78,8 @@ class View:
 
     @cached_property
     def fluid(self) -> Particles:
-        """The particles, brought over from the device once for all probes."""
-        return Particles(self.world)
+        """The particles, the same for all probes."""
+        return Particles(given(self.world.fluid).system, self.world.origin)
 
     def has_sheet(self, name: str) -> bool:
         """Whether a sheet is there now."""

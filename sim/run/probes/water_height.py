@@ -13,6 +13,7 @@ from sim.run.probes.spec import WaterHeight
 from sim.run.probes.view import Particles, View
 
 MATERIALS = ("fluid",)
+AT_ONCE = 16
 
 
 def read(probe: WaterHeight, view: View) -> Iterator[Row]:
@@ -21,21 +22,30 @@ def read(probe: WaterHeight, view: View) -> Iterator[Row]:
 
 
 def water_height(fluid: Particles, x: float, z: float) -> float:
-    """Highest point on the vertical line where the fluid fills half of the kernel [m]; nan without fluid there."""
-    across = np.hypot(fluid.points[:, 0] - x, fluid.points[:, 2] - z)
-    near = fluid.points[across < fluid.h]
+    """Highest point on the vertical line where the fluid fills half of the kernel [m]; nan without fluid there.
+
+    Heights are looked at from the top down, AT_ONCE together, until that is found: most of a deep column is below.
+    """
+    near = fluid.near_line((0, 2), (x, z)).points
+    near = near[np.hypot(near[:, 0] - x, near[:, 2] - z) < fluid.h]
     if not len(near):
         return math.nan
-    volume = fluid.mass / fluid.spec.rest_density
-    heights = heights_from_top(near[:, 1], fluid.h)
-    offsets = np.hypot(near[:, 0] - x, near[:, 2] - z)
-    filled = np.array([cubic_host(np.hypot(offsets, near[:, 1] - y), fluid.h).sum() for y in heights]) * volume
-    above = np.flatnonzero(filled >= 0.5)
-    if not len(above) or above[0] == 0:
-        return math.nan
-    k = above[0]
-    share = (0.5 - filled[k - 1]) / (filled[k] - filled[k - 1])
-    return float(heights[k - 1] + share * (heights[k] - heights[k - 1]))
+    near = near[np.argsort(-near[:, 1], kind="stable")]
+    offsets, particles = np.hypot(near[:, 0] - x, near[:, 2] - z), near[:, 1]
+    heights, last = heights_from_top(particles, fluid.h), (math.nan, math.nan)
+    for first in range(0, len(heights), AT_ONCE):
+        y = heights[first : first + AT_ONCE]
+        begin, end = np.searchsorted(-particles, [-y[0] - fluid.h, -y[-1] + fluid.h])
+        apart = np.hypot(offsets[begin:end], particles[begin:end] - y[:, None])
+        filled = cubic_host(apart, fluid.h).sum(axis=1) * fluid.mass / fluid.spec.rest_density
+        above = np.flatnonzero(filled >= 0.5)
+        if len(above):
+            k = above[0]
+            before = (y[k - 1], filled[k - 1]) if k else last
+            share = (0.5 - before[1]) / (filled[k] - before[1])
+            return float(before[0] + share * (y[k] - before[0]))
+        last = y[-1], filled[-1]
+    return math.nan
 
 
 def heights_from_top(particles: np.ndarray, h: float) -> np.ndarray:
