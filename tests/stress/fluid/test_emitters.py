@@ -12,7 +12,7 @@ import pytest
 
 from scene.settings import Refused
 from sim import segment
-from sim.spec import SimulationSpec
+from sim.spec import CFL, SimulationSpec
 from tests.stress.scenes import assert_nothing_broken, contents, failure, finish, make_faults, pool, run_segment
 from tests.support.fluid.solvers import LONG, SOLVERS, STRESSED
 from tests.support.in_time import in_time
@@ -99,6 +99,7 @@ def test_more_threads_are_the_same(whole, tmp_path):
 def test_a_frame_that_is_repeated_emits_no_more(simulate, monkeypatch, solver):
     """A fault after 0.05 s takes the frame back, with what has been sent in it."""
     scene = pool(fluid__emitters={"tap": TAP}, fluid__solver=solver, fluid__bodies={}, gravity=[0, 0, 0])
+    scene["step"] = {"cfl": 0.2}
     # Kinetic energy [J] of two layers and a bit.
     make_faults(monkeypatch, 2, above=0.5 * 2.5 * LAYER * 1000 * D**3 * SPEED**2)
     out = simulate(scene, 20, threads=1)
@@ -178,7 +179,7 @@ def test_the_step_knows_the_speed_of_emitters(simulate, solver):
     """v dt <= cfl h / 2 from the first step, before there is any particle; a fixed step beyond is refused."""
     scene = pool(fluid__emitters={"tap": TAP | {"speed": 4}}, fluid__solver=solver, fluid__bodies={})
     steps = read_table(simulate(scene, 2, threads=1) / "steps.csv")
-    assert (4 * steps["dt"]).max() <= 0.4 * 0.04 * (1 + 1e-9)
+    assert (4 * steps["dt"]).max() <= CFL[solver] * 0.04 * (1 + 1e-9)
     with pytest.raises(Refused, match=r"beyond the stability limit"):
         simulate(scene | {"step": {"fixed": 0.1}}, 2, threads=1)
 
