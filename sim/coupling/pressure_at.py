@@ -24,9 +24,15 @@ class View(Protocol):
 
     h: float
     mass: float
-    points: np.ndarray
-    density: np.ndarray
-    pressure: np.ndarray
+
+    @property
+    def points(self) -> np.ndarray: ...
+
+    @property
+    def density(self) -> np.ndarray: ...
+
+    @property
+    def pressure(self) -> np.ndarray: ...
 
 
 def pressure_at(view: View, system: FluidSystem, origin: np.ndarray, at: np.ndarray) -> float:

@@ -254,7 +254,7 @@ def test_fluid_that_an_event_adds_keeps_off_a_body_where_it_is_then(simulate):
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_steps_follow_the_speed_of_a_body(simulate, solver):
     """The fastest point of it and the fluid together move by no more than cfl h / 2, while it moves."""
-    speed, cfl, half = 20.0, max(CFL[solver], 0.4), 0.04
+    speed, cfl, half = 20.0, max(CFL.get(solver, 0.4), 0.4), 0.04
     ball = {
         "shape": {"type": "sphere", "radius": 0.05},
         "position": [2, 0.2, 0],
