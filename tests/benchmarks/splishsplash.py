@@ -18,6 +18,8 @@ import pysplishsplash as sph
 
 METHODS = {"wcsph": 0, "pcisph": 1, "iisph": 3, "dfsph": 4}
 BOUNDARIES = {"akinci": 0, "density-map": 1, "volume-map": 2}
+CFL_OF_FACTOR_1 = 0.4
+"""How far the fastest particle goes in a step at the peer's factor 1, in d."""
 MEASURED_EVERY = 10
 """Steps between two looks at the densities."""
 
@@ -32,7 +34,7 @@ def scene(options: argparse.Namespace) -> dict:
             "boundaryHandlingMethod": BOUNDARIES[options.boundary],
             "gravitation": [0, -9.81, 0],
             "cflMethod": 1,
-            "cflFactor": 1,
+            "cflFactor": options.cfl / CFL_OF_FACTOR_1,
             "timeStepSize": 0.005,
             "cflMaxTimeStepSize": 0.005,
             "stopAt": options.seconds,
@@ -72,6 +74,7 @@ def main() -> None:
     parser.add_argument("--boundary", choices=BOUNDARIES, required=True)
     parser.add_argument("--radius", type=float, required=True, help="particle radius [m]")
     parser.add_argument("--seconds", type=float, required=True, help="simulated time [s]")
+    parser.add_argument("--cfl", type=float, default=CFL_OF_FACTOR_1, help="way of a step, in d (default: 0.4)")
     options = parser.parse_args()
     ends: list[float] = []
     iterations: list[int] = []
