@@ -190,41 +190,6 @@ def solve_alone(
     return made
 
 
-@ti.func
-def _add_products(
-    partition: ti.i32, rows: ti.i32, points: ti.i32, p: ti.template(), bodies: ti.template(), matrix: ti.template(),
-    e: ti.template(),
-):  # fmt: skip
-    """Of A p, but for contacts, the rows of a partition, and their part of p.Ap."""
-    total = vec3(0.0, 0.0, 0.0)
-    for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
-        total += _multiply(i, points, p, bodies, matrix, e)
-    e.sum_term[rows + partition] = total
-
-
-@ti.func
-def _add_slopes(
-    linear: ti.template(), partition: ti.i32, contact_count: ti.i32, contacts: ti.template(), e: ti.template()
-):
-    """What the contacts of a partition do to the slope of the energy after a step."""
-    total = vec3(0.0, 0.0, 0.0)
-    for c in range(partition_start(partition, contact_count), partition_start(partition + 1, contact_count)):
-        total += _slope(linear, c, contacts, e)
-    e.sum_term[contact_count + partition] = total
-
-
-@ti.func
-def _update_rows(
-    partition: ti.i32, rows: ti.i32, points: ti.i32, p: ti.template(), contacts: ti.template(), bodies: ti.template(),
-    e: ti.template(),
-):  # fmt: skip
-    """Take the step with the rows of a partition."""
-    total = vec3(0.0, 0.0, 0.0)
-    for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
-        total += _update_row(i, points, p, contacts, bodies, e)
-    e.sum_term[rows + partition] = total
-
-
 @ti.kernel
 def iterate(
     linear: ti.template(),
@@ -243,7 +208,10 @@ def iterate(
     each loop does all that it can."""
     ti.loop_config(block_dim=4)
     for partition in range(PARTITIONS):
-        _add_products(partition, rows, points, p, bodies, matrix, e)
+        total = vec3(0.0, 0.0, 0.0)
+        for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
+            total += _multiply(i, points, p, bodies, matrix, e)
+        e.sum_term[rows + partition] = total
     ti.loop_config(serialize=True)
     for _once in range(1):
         _begin_to_choose_step(sum_partitions(rows, vec3(0.0, 0.0, 0.0), e.sum_term)[1], e)
@@ -257,7 +225,11 @@ def iterate(
             ti.loop_config(block_dim=4)
             for partition in range(PARTITIONS):
                 if e.scalar[SETTLED] == 0.0:
-                    _add_slopes(linear, partition, contact_count, contacts, e)
+                    total = vec3(0.0, 0.0, 0.0)
+                    begin = partition_start(partition, contact_count)
+                    for c in range(begin, partition_start(partition + 1, contact_count)):
+                        total += _slope(linear, c, contacts, e)
+                    e.sum_term[contact_count + partition] = total
             ti.loop_config(serialize=True)
             for _once in range(1):
                 if e.scalar[SETTLED] == 0.0:
@@ -266,7 +238,10 @@ def iterate(
             _update_contact(linear, c, contacts, e)
     ti.loop_config(block_dim=4)
     for partition in range(PARTITIONS):
-        _update_rows(partition, rows, points, p, contacts, bodies, e)
+        total = vec3(0.0, 0.0, 0.0)
+        for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
+            total += _update_row(i, points, p, contacts, bodies, e)
+        e.sum_term[rows + partition] = total
     ti.loop_config(serialize=True)
     for _once in range(1):
         conjugate_direction(sum_partitions(rows, vec3(0.0, 0.0, 0.0), e.sum_term), e.scalar[RESIDUAL], e)
