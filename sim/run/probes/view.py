@@ -21,10 +21,9 @@ class Particles:
     `mass` of each [kg]; `h`, the kernel's support radius [m]; `spec`, the fluid's settings.
     """
 
-    def __init__(self, system: FluidSystem, origin: np.ndarray):
-        """origin: where the coordinates of the system start [m], shape [3]."""
-        self._system, self._origin = system, origin
-        self._rows: slice | np.ndarray = slice(None)
+    def __init__(self, system: FluidSystem, origin: np.ndarray, some: tuple[Particles, np.ndarray] | None = None):
+        """origin: where the coordinates of the system start [m], shape [3]; some: others, and which of them."""
+        self._system, self._origin, self._some = system, origin, some
         self.h = system.h
         self.mass = system.mass
         self.spec = system.spec
@@ -34,38 +33,40 @@ class Particles:
         found = np.arange(len(self._position))
         for axis, place in zip(axes, at, strict=True):
             found = found[np.abs(self._position[found, axis] - (place - self._origin[axis])) < 1.01 * self.h]
-        some = Particles(self._system, self._origin)
-        some._rows, some._position, some._velocity = found, self._position, self._velocity
-        return some
+        return Particles(self._system, self._origin, (self, found))
 
     @cached_property
     def points(self) -> np.ndarray:
         """Where particles are [m]."""
-        return self._position[self._rows, :3].astype(np.float64) + self._origin
+        return self._position[:, :3].astype(np.float64) + self._origin
 
     @cached_property
     def velocity(self) -> np.ndarray:
         """[m/s]."""
-        return self._velocity[self._rows, :3].astype(np.float64)
+        return self._velocity[:, :3].astype(np.float64)
 
     @cached_property
     def density(self) -> np.ndarray:
         """[kg/m^3]."""
-        return self._velocity[self._rows, 3].astype(np.float64)
+        return self._velocity[:, 3].astype(np.float64)
 
     @cached_property
     def pressure(self) -> np.ndarray:
         """Of the last step [Pa]."""
         from sim.fluid.layout import Q
 
-        return self._position[self._rows, Q].astype(np.float64) * self.density**2
+        return self._position[:, Q].astype(np.float64) * self.density**2
 
     @cached_property
     def _position(self) -> np.ndarray:
+        if self._some:
+            return self._some[0]._position[self._some[1]]
         return self._system.particles.numpy("position")
 
     @cached_property
     def _velocity(self) -> np.ndarray:
+        if self._some:
+            return self._some[0]._velocity[self._some[1]]
         return self._system.particles.numpy("velocity")
 
 

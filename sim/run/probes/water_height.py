@@ -14,6 +14,7 @@ from sim.run.probes.view import Particles, View
 
 MATERIALS = ("fluid",)
 AT_ONCE = 16
+"""Heights that are looked at together."""
 
 
 def read(probe: WaterHeight, view: View) -> Iterator[Row]:
@@ -24,7 +25,7 @@ def read(probe: WaterHeight, view: View) -> Iterator[Row]:
 def water_height(fluid: Particles, x: float, z: float) -> float:
     """Highest point on the vertical line where the fluid fills half of the kernel [m]; nan without fluid there.
 
-    Heights are looked at from the top down, AT_ONCE together, until that is found: most of a deep column is below.
+    Heights are looked at from the top down until that is found: most of a deep column is below.
     """
     near = fluid.near_line((0, 2), (x, z)).points
     near = near[np.hypot(near[:, 0] - x, near[:, 2] - z) < fluid.h]
