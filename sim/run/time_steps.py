@@ -29,10 +29,14 @@ def wanted_step(settings: TimeStep, limit: float, last: float) -> float:
 
 
 def fit(step: float, rest: float, *, even: bool) -> float:
-    """The step that lands on the end of `rest` [s]; `even` shares the last two steps out evenly."""
-    if step >= rest:
+    """The step that lands on the end of `rest` [s]; `even` shares the last two steps out evenly.
+
+    What is left of a frame is a difference of times, so that it may be a rounding error longer than a step that fits
+    into it exactly.
+    """
+    if step >= rest - TIME_TOLERANCE:
         return rest
-    return rest / 2 if even and 2 * step > rest else step
+    return rest / 2 if even and 2 * step > rest + TIME_TOLERANCE else step
 
 
 def landing(until: float, keyframe: float) -> float:

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tests.support.passing import passed
+from tests.support.stepping import advance
+
 if TYPE_CHECKING:
     from sim.cloth.model import ClothModel
 
@@ -88,17 +91,50 @@ def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
 
 def passages(world, seconds: float, dt: float) -> int:
     """Step for a time [s]; returns how many pairs met on the way, by the checker of `tests.support.passing`."""
-    from tests.support.passing import passed
-
     mesh = world.cloth.mesh
     triangles = np.concatenate([mesh.triangles, world.cloth.solids.triangles + mesh.count])
     moving = np.arange(mesh.total) < mesh.count
     before, total = mesh.points.position.to_numpy(), 0
     for k in range(1, round(seconds / dt) + 1):
-        world.advance(dt, k * dt)
+        advance(world, dt, k * dt)
         after = mesh.points.position.to_numpy()
         total += passed(before, after, triangles, moving)
         before = after
+    return total
+
+
+def passages_in_a_run(spec: dict[str, Any], folder: Path, frames: int) -> int:
+    """Run a scene of cloth alone up to a frame, in a folder; returns how many pairs met on the way, by the checker of
+    `tests.support.passing`. What was taken back, since the run repeated the frame, does not count.
+
+    Raises Stopped where the run stops.
+    """
+    from sim.run.output import Output
+    from sim.run.stepping import Run
+    from sim.spec import SimulationSpec
+
+    settings = SimulationSpec.model_validate(spec)
+    run = Run(settings, folder, threads=1, arch="cpu", warn=lambda _: None)
+    run.start()
+    mesh = run.world.cloth.mesh
+    before, time, here, total = mesh.points.position.to_numpy(), 0.0, 0, 0
+
+    def look() -> None:
+        nonlocal before, time, here
+        after = run.world.cloth.mesh.points.position.to_numpy()
+        if run.clock.time > time:
+            here += passed(before, after, mesh.triangles)
+        elif run.clock.time < time:
+            here = 0
+        before, time = after, run.clock.time
+
+    def done() -> None:
+        nonlocal here, total
+        look()
+        total, here = total + here, 0
+
+    run.before_step = look
+    run.frames(frames, Output(folder, settings), write_first=True, done=done)
     return total
 
 
@@ -116,7 +152,7 @@ def extremes(world: Any, seconds: float, dt: float) -> tuple[float, float, float
     """The least energy in a time [s], that of the start, and the greatest [J]."""
     least = most = first = energy(world)
     for k in range(1, round(seconds / dt) + 1):
-        world.advance(dt, k * dt)
+        advance(world, dt, k * dt)
         found = energy(world)
         assert np.isfinite(found)
         least, most = min(least, found), max(most, found)

@@ -10,6 +10,7 @@ from plyfile import PlyData
 
 from tests.support.particles import positions, read_frame, velocities
 from tests.support.passing import went_through
+from tests.support.stepping import advance
 
 if TYPE_CHECKING:
     from sim.run.world import World
@@ -77,7 +78,7 @@ def leaks(data: dict[str, Any], seconds: float) -> tuple[int, World]:
     while time < seconds:
         dt = min(world.step_limit(world.measure()), 0.01)
         time += dt
-        world.advance(dt, time)
+        advance(world, dt, time)
         cloth_after, water_after = _points(world)
         both = np.intersect1d(list(water), list(water_after))
         before, after = (
