@@ -22,8 +22,9 @@ Points: Any = argpack(position=Vec4Array, velocity=Vec4Array, slack=RealArray, e
 """Positions [m] and velocities [m/s]; in gaps (`sim.fluid.boundary.gaps`) slack [m], and the share of the rest density
 that does not press yet."""
 
-Samples: Any = argpack(sample=Vec4Array, velocity=Vec4Array, size=IntArray, index=IntTable)
-"""Samples of sheets and their velocities [m/s]; of each particle, how many are near, and which."""
+Samples: Any = argpack(sample=Vec4Array, velocity=Vec4Array, begin=IntArray, size=IntArray, index=IntArray)
+"""Samples of sheets and their velocities [m/s]; of each particle, where its list begins and how many are near;
+and the lists."""
 
 Solids: Any = argpack(
     shift=vec2,

@@ -49,7 +49,7 @@ class FluidSystem:
         self.resolution = Resolution(self.h, spec.spacing, self.mass, spec.rest_density)
         self.particles = Particles(PARTICLES + extra, 0)
         self.grid = HashGrid(0, self.h * (1 + skin))
-        self.neighbors = NeighborList(64)
+        self.neighbors = NeighborList(32)
         self._skin = skin * self.h
         self._fall = float(np.linalg.norm(gravity)) * spec.spacing
         self._distance_left = 0.0

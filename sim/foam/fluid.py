@@ -9,7 +9,7 @@ from sim.device.compiler import ti
 from sim.foam.sums import potentials, surface_normals, surroundings
 from sim.neighbors.spatial_hash import HashGrid, NeighborList
 
-CAPACITY = 64
+EXPECTED = 32
 """Neighbours that lists have room for at first."""
 
 
@@ -56,20 +56,19 @@ class Fluid:
 
     def potentials(self) -> tuple[np.ndarray, np.ndarray]:
         """Trapped air [m/s] and wave crest [1] of the particles; shape [n]."""
-        lists = NeighborList(CAPACITY)
+        lists = NeighborList(EXPECTED)
         lists.build(self._position, self.count, self._grid, self._position, same=True)
         normal = ti.ndarray(vec4, max(self.count, 1))
         trapped, crest = (_numbers(self.count) for _ in range(2))
         if self.count:
-            surface_normals(self.count, self._h, self._spacing**3, self._position, lists.size, lists.index, normal)
+            surface_normals(self.count, self._h, self._spacing**3, self._position, lists.lists, normal)
             potentials(
                 self.count,
                 self._h,
                 self._position,
                 self._velocity,
                 normal,
-                lists.size,
-                lists.index,
+                lists.lists,
                 trapped,
                 crest,
             )
@@ -80,10 +79,10 @@ class Fluid:
         if not (len(points) and self.count):
             return np.zeros((len(points), 3), np.float32), np.zeros(len(points), np.int64)
         here = _array(points)
-        lists = NeighborList(CAPACITY)
+        lists = NeighborList(EXPECTED)
         lists.build(here, len(points), self._grid, self._position, same=False)
         found = ti.ndarray(vec4, len(points))
-        surroundings(len(points), self._h, here, self._position, self._velocity, lists.size, lists.index, found)
+        surroundings(len(points), self._h, here, self._position, self._velocity, lists.lists, found)
         table = found.to_numpy()
         return table[:, :3], table[:, 3].astype(np.int64)
 

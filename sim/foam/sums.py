@@ -2,9 +2,10 @@
 
 import math
 
-from sim.device.arrays import IntArray, IntTable, RealArray, Vec4Array, real, vec3
+from sim.device.arrays import RealArray, Vec4Array, real, vec3
 from sim.device.compiler import ti
 from sim.fluid.kernel import cubic, cubic_slope
+from sim.neighbors.spatial_hash import Neighbors
 
 SURFACE = 0.7
 """Gradient of the colour field, over 1 / h, from which a particle is at the surface: half of 1.4 at a plane one."""
@@ -20,8 +21,7 @@ def surface_normals(
     h: real,
     volume: real,
     position: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
     normal: Vec4Array,
 ):
     """Unit normals out of the fluid in xyz, and in w the gradient of the colour field times h; 0 for a lone particle.
@@ -30,8 +30,8 @@ def surface_normals(
     """
     for i in range(count):
         gradient = vec3(0.0)
-        for k in range(size[i]):
-            d = position[i].xyz - position[index[i, k]].xyz
+        for k in range(near.size[i]):
+            d = position[i].xyz - position[near.index[near.begin[i] + k]].xyz
             gradient += d * cubic_slope(ti.max(d.norm() / h, 1e-6))
         gradient *= volume * SPLINE / h**5
         length = gradient.norm()
@@ -46,8 +46,7 @@ def potentials(
     position: Vec4Array,
     velocity: Vec4Array,
     normal: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
     trapped: RealArray,
     crest: RealArray,
 ):
@@ -55,15 +54,15 @@ def potentials(
     for i in range(count):
         approach, bend = ti.cast(0.0, real), ti.cast(0.0, real)
         n = normal[i].xyz
-        for k in range(size[i]):
-            j = index[i, k]
+        for k in range(near.size[i]):
+            j = near.index[near.begin[i] + k]
             d = position[i].xyz - position[j].xyz
             r = ti.max(d.norm(), TINY)
-            near = ti.max(1.0 - r / h, 0.0)
+            closeness = ti.max(1.0 - r / h, 0.0)
             relative = velocity[i].xyz - velocity[j].xyz
-            approach += (relative.norm() - relative.dot(d) / r) * near
+            approach += (relative.norm() - relative.dot(d) / r) * closeness
             convex = ti.cast(-d.dot(n) < 0.0, real) * ti.cast(normal[j].w > SURFACE, real)
-            bend += (1.0 - n.dot(normal[j].xyz)) * near * convex
+            bend += (1.0 - n.dot(normal[j].xyz)) * closeness * convex
         speed = velocity[i].xyz.norm()
         ahead = velocity[i].xyz.dot(n) >= CREST * speed and speed > TINY
         trapped[i] = approach
@@ -77,18 +76,17 @@ def surroundings(
     points: Vec4Array,
     position: Vec4Array,
     velocity: Vec4Array,
-    size: IntArray,
-    index: IntTable,
+    near: Neighbors,
     found: Vec4Array,
 ):
     """Mean velocity of the fluid around points [m/s] in xyz (eq. 13), and in w how many of its particles are near;
     both 0 where there are none."""
     for i in range(count):
         total, weights = vec3(0.0), ti.cast(0.0, real)
-        for k in range(size[i]):
-            j = index[i, k]
+        for k in range(near.size[i]):
+            j = near.index[near.begin[i] + k]
             w = cubic((points[i].xyz - position[j].xyz).norm() / h)
             total += w * velocity[j].xyz
             weights += w
         mean = total / ti.max(weights, TINY)
-        found[i] = ti.Vector([mean.x, mean.y, mean.z, ti.cast(size[i], real)])
+        found[i] = ti.Vector([mean.x, mean.y, mean.z, ti.cast(near.size[i], real)])

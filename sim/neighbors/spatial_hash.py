@@ -7,10 +7,11 @@ Within a period the numbering is linear with x running fastest, so that the cell
 the fine division along x lets a search skip the ends of the rows that its sphere does not reach.
 """
 
-from typing import Any
+from typing import Any, Self
 
+from scene.settings import Refused
 from sim.device.argument_packs import argpack
-from sim.device.arrays import GROWTH, IntArray, IntTable, Vec4Array, real, vec3
+from sim.device.arrays import GROWTH, IntArray, Vec4Array, real, vec3
 from sim.device.compiler import ti
 
 SLICES = 4
@@ -18,13 +19,19 @@ SLICES = 4
 SCAN_CHUNK = 1024
 LANES = 8
 """Lists are padded to a multiple of this with the particle itself, so that loops over them run in full vectors."""
+LARGEST = 2**31 - 1
+"""Entries of all lists together: they are numbered by 32 bits."""
 ROWS = tuple((dy, dz) for dz in (-1, 0, 1) for dy in (-1, 0, 1))
 """Rows of cells around a particle's own, nearest in memory first."""
 SLACK = 1e-3
 """Share of the radius by which the reach along a row is too long rather than too short, for rounding."""
 
-Neighbors: Any = argpack(size=IntArray, index=IntTable)
-"""Of each particle, how many neighbours are listed, and which."""
+PAGE = 64
+"""So many lists lie one behind another and share their room, so that passes over all pairs read memory in a row. On a
+GPU each has room of its own, since a thread of its own fills it."""
+
+Neighbors: Any = argpack(begin=IntArray, size=IntArray, index=IntArray)
+"""Of each particle, where its list begins and how many neighbours it has; and the lists."""
 
 
 @ti.func
@@ -96,18 +103,26 @@ class HashGrid:
 
 
 class NeighborList:
-    """Indices of the neighbours of particles, `capacity` at most each."""
+    """Indices of the neighbours of particles: the k-th of particle i is index[begin[i] + k], for k below size[i].
 
-    def __init__(self, capacity: int):
-        self.capacity = capacity
+    expected: neighbours of a particle, for the room to begin with. Raises Refused where lists become too long to number
+    their entries.
+    """
+
+    def __init__(self, expected: int):
+        self._page = PAGE if ti.cfg.arch == ti.cpu else 1
+        self._room = self._page * (expected + LANES)
         self._rows = 0
         self._allocate(1)
 
     def _allocate(self, rows: int) -> None:
+        entries = -(-rows // self._page) * self._room
+        if entries > LARGEST:
+            raise Refused(f"{rows:,} particles have more neighbours than can be listed", remedy="use fewer particles")
         self._rows = rows
-        self.size = ti.ndarray(ti.i32, rows)
-        self.index = ti.ndarray(ti.i32, (rows, self.capacity))
-        self.lists = Neighbors(self.size, self.index)
+        self.begin, self.size = ti.ndarray(ti.i32, rows), ti.ndarray(ti.i32, rows)
+        self.index = ti.ndarray(ti.i32, entries)
+        self.lists = Neighbors(self.begin, self.size, self.index)
 
     def build(self, position: ti.Ndarray, count: int, cells: HashGrid, other: ti.Ndarray, *, same: bool) -> None:
         """List the `other` points, sorted into `cells`, within their radius of each particle.
@@ -118,24 +133,33 @@ class NeighborList:
         while count:
             longest = _build(
                 count,
+                self._page,
+                self._room,
                 cells.radius,
                 position,
                 *cells.periods,
                 cells.start,
                 other,
                 same,
-                self.capacity,
+                self.begin,
                 self.size,
                 self.index,
             )
-            if longest + LANES <= self.capacity:
+            if longest < self._room:
                 return
-            self.grow(longest)
+            self._room = -(-longest * 9 // 8 // LANES + 1) * LANES
+            self._allocate(self._rows)
 
     def reserve(self, count: int) -> None:
         """Make room for the lists of `count` particles; where there was less, none is kept."""
         if count > self._rows:
             self._allocate(int(GROWTH * count) if self._rows > 1 else count)
+
+    def match(self, others: Self, count: int) -> None:
+        """Make room for lists of `count` particles that begin where others do, and are no longer."""
+        if self._room != others._room or count > self._rows:
+            self._room = others._room
+            self._allocate(others._rows)
 
     def clear(self, count: int) -> None:
         """Hold lists of `count` points that have no neighbours."""
@@ -147,15 +171,10 @@ class NeighborList:
         self.reserve(count)
         self.size.fill(1)
 
-    def grow(self, longest: int) -> None:
-        """Make room for lists of `longest` and more; none is kept."""
-        self.capacity = -(-(longest + LANES) * 5 // 4 // 16) * 16
-        self._allocate(self._rows)
-
     @property
     def bytes(self) -> int:
-        """Memory of the indices, and of how many there are of each particle [bytes]."""
-        return 4 * self._rows * (self.capacity + 1)
+        """Memory of the indices, and of where and how many there are of each particle [bytes]."""
+        return 4 * (self.index.shape[0] + 2 * self._rows)
 
 
 @ti.kernel
@@ -218,6 +237,8 @@ def _sort(
 @ti.kernel
 def _build(
     count: ti.i32,
+    page: ti.i32,
+    room: ti.i32,
     radius: real,
     position: Vec4Array,
     px: ti.i32,
@@ -226,48 +247,52 @@ def _build(
     start: IntArray,
     other: Vec4Array,
     same: ti.template(),
-    capacity: ti.i32,
+    begin: IntArray,
     size: IntArray,
-    index: IntTable,
+    index: IntArray,
 ) -> ti.i32:
-    """List for every particle the `other` points within the radius; returns the room that was needed.
+    """List for every particle the `other` points within the radius; returns the room that the longest page needs. The
+    last entry of a page's room is for what finds none.
 
-    Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less. So there has to
-    be room for all candidates of a row, else the row is left out, and the list has to grow and be built again.
+    Every candidate is stored in the next slot, and a hit moves on to the one after: a branch less.
     """
     longest = 0
-    for i in range(count):
-        x = position[i].xyz
-        u = x / radius
-        whole = ti.floor(u)
-        at = ti.cast(whole, ti.i32)
-        inside = u - whole
-        found, needed = 0, 0
-        for dy, dz in ti.static(ROWS):
-            across = row_distance(inside.y, dy) ** 2 + row_distance(inside.z, dz) ** 2
-            if across < 1.0 + SLACK:
-                reach = ti.sqrt(1.0 + SLACK - across)
-                low, high = ti.floor((u.x - reach) * SLICES, ti.i32), ti.floor((u.x + reach) * SLICES, ti.i32)
-                left, right = low & (px * SLICES - 1), high & (px * SLICES - 1)
-                row = (((at.z + dz) & (pz - 1)) * py + ((at.y + dy) & (py - 1))) * px * SLICES
-                wraps = ti.cast(left > right, ti.i32)
-                for piece in range(1 + wraps):
-                    begin = start[row + ti.select(piece == 0, left, 0)]
-                    end = start[row + ti.select(piece == wraps, right, px * SLICES - 1) + 1]
-                    needed = ti.max(needed, found + end - begin)
-                    if needed + LANES <= capacity:
-                        for j in range(begin, end):
+    for p in range((count + page - 1) // page):
+        bottom, top = p * room, (p + 1) * room - 1
+        slot = bottom
+        for i in range(p * page, ti.min((p + 1) * page, count)):
+            x = position[i].xyz
+            u = x / radius
+            whole = ti.floor(u)
+            at = ti.cast(whole, ti.i32)
+            inside = u - whole
+            first = slot
+            for dy, dz in ti.static(ROWS):
+                across = row_distance(inside.y, dy) ** 2 + row_distance(inside.z, dz) ** 2
+                if across < 1.0 + SLACK:
+                    reach = ti.sqrt(1.0 + SLACK - across)
+                    low, high = ti.floor((u.x - reach) * SLICES, ti.i32), ti.floor((u.x + reach) * SLICES, ti.i32)
+                    left, right = low & (px * SLICES - 1), high & (px * SLICES - 1)
+                    row = (((at.z + dz) & (pz - 1)) * py + ((at.y + dy) & (py - 1))) * px * SLICES
+                    wraps = ti.cast(left > right, ti.i32)
+                    for piece in range(1 + wraps):
+                        head = start[row + ti.select(piece == 0, left, 0)]
+                        tail = start[row + ti.select(piece == wraps, right, px * SLICES - 1) + 1]
+                        for j in range(head, tail):
                             d = x - other[j].xyz
-                            index[i, found] = j
+                            index[ti.min(slot, top)] = j
                             near = ti.cast(d.dot(d) < radius * radius, ti.i32)
                             if ti.static(same and dy == 0 and dz == 0):
                                 near &= ti.cast(j != i, ti.i32)
-                            found += near
-        size[i] = found
-        if ti.static(same) and found + LANES <= capacity:
-            for k in range(found, padded(found)):
-                index[i, k] = i
-        ti.atomic_max(longest, needed)
+                            slot += near
+            begin[i] = first
+            size[i] = slot - first
+            if ti.static(same):
+                end = first + padded(slot - first)
+                for k in range(slot, end):
+                    index[ti.min(k, top)] = i
+                slot = end
+        ti.atomic_max(longest, slot - bottom)
     return longest
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -103,12 +104,12 @@ def passages(world, seconds: float, dt: float) -> int:
     return total
 
 
-def passages_in_a_run(spec: dict[str, Any], folder: Path, frames: int) -> int:
+def passages_in_a_run(spec: dict[str, Any], folder: Path, frames: int) -> tuple[int, int]:
     """Run a scene of cloth alone up to a frame, in a folder; returns how many pairs met on the way, by the checker of
-    `tests.support.passing`. What was taken back, since the run repeated the frame, does not count.
-
-    Raises Stopped where the run stops.
+    `tests.support.passing`, and the last frame that was good, which is an earlier one where the run stops. What was
+    taken back, since the run repeated the frame, does not count.
     """
+    from sim.run.failure import Stopped
     from sim.run.output import Output
     from sim.run.stepping import Run
     from sim.spec import SimulationSpec
@@ -134,8 +135,9 @@ def passages_in_a_run(spec: dict[str, Any], folder: Path, frames: int) -> int:
         total, here = total + here, 0
 
     run.before_step = look
-    run.frames(frames, Output(folder, settings), write_first=True, done=done)
-    return total
+    with contextlib.suppress(Stopped):
+        run.frames(frames, Output(folder, settings), write_first=True, done=done)
+    return total, run.last_good.clock.frame
 
 
 def energy(world: Any) -> float:

@@ -84,7 +84,7 @@ def test_normals_point_out_of_the_fluid():
     lists = NeighborList(64)
     lists.build(found._position, found.count, found._grid, found._position, same=True)
     normal = ti.ndarray(vec4, found.count)
-    surface_normals(found.count, H, SPACING**3, found._position, lists.size, lists.index, normal)
+    surface_normals(found.count, H, SPACING**3, found._position, lists.lists, normal)
     normal = normal.to_numpy()
     top = int(np.linalg.norm(found.position - [0, 5 * SPACING, 0], axis=1).argmin())
     assert normal[top, :3] == pytest.approx([0, 1, 0], abs=1e-3)

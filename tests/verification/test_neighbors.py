@@ -29,14 +29,15 @@ def listed(points: np.ndarray, others: np.ndarray | None, h: float) -> list[set[
         names = cells.sort(there.position, len(others)).to_numpy()[: len(others)]
         there.reorder(cells.order)
         lists.build(particles.position, len(points), cells, there.position, same=False)
-    size, index = lists.size.to_numpy(), lists.index.to_numpy()
+    begin, size, index = (array.to_numpy() for array in (lists.begin, lists.size, lists.index))
     found: list[set[int]] = [set()] * len(points)
     for row in range(len(points)):
-        assert len(set(index[row, : size[row]])) == size[row], "a neighbour is listed twice"
-        found[former[row]] = {int(names[j]) for j in index[row, : size[row]]}
+        first, end = begin[row], begin[row] + size[row]
+        assert len(set(index[first:end])) == size[row], "a neighbour is listed twice"
+        found[former[row]] = {int(names[j]) for j in index[first:end]}
         if others is None:
-            full = -(-size[row] // 8) * 8
-            assert (index[row, size[row] : full] == row).all(), "the list is padded with the particle itself"
+            full = first + -(-size[row] // 8) * 8
+            assert (index[end:full] == row).all(), "the list is padded with the particle itself"
     return found
 
 

@@ -131,7 +131,7 @@ class SheetReaction:
 
     def __init__(self, system: FluidSystem):
         self.system = system
-        self.near = NeighborList(48)
+        self.near = NeighborList(16)
         self._force = self._sway = vectors(np.zeros((0, 3)))
 
     @property

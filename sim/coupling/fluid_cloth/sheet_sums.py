@@ -61,9 +61,9 @@ def face(count: ti.i32, facing: Vec4Array, position: Vec4Array, near: Neighbors)
     for s in range(count):
         left = 0
         for k in range(near.size[s]):
-            i = near.index[s, k]
+            i = near.index[near.begin[s] + k]
             if beyond(facing[s], position[i]):
-                near.index[s, left] = i
+                near.index[near.begin[s] + left] = i
                 left += 1
         near.size[s] = left
 
@@ -90,7 +90,7 @@ def push_back(
         total = vec3d(0.0, 0.0, 0.0)
         b, moves = samples.sample[s], samples.velocity[s].xyz
         for k in range(near.size[s]):
-            i = near.index[s, k]
+            i = near.index[near.begin[s] + k]
             x, v = position[i], velocity[i]
             d = x.xyz - b.xyz
             strength = fluid.rest_density * slope_strength * b[VOLUME]
@@ -125,7 +125,7 @@ def press(
         inverse_h = 1.0 / fluid.h
         total = vec3d(0.0, 0.0, 0.0)
         for k in range(near.size[s]):
-            i = near.index[s, k]
+            i = near.index[near.begin[s] + k]
             x = position[i].xyz + ahead * velocity[i].xyz
             gradient = _sample_gradient(s, i, x, fluid, samples, walls, inverse_h)
             q = pressure[i][Q]
@@ -200,7 +200,7 @@ def add_response(
         x = position[i].xyz + ahead * velocity[i].xyz
         given = ti.cast(0.0, real)
         for k in range(samples.size[i]):
-            s = samples.index[i, k]
+            s = samples.index[samples.begin[i] + k]
             gradient = _sample_gradient(s, i, x, fluid, samples, walls, inverse_h)
             given += gradient.dot(ti.cast(sway[s], real))
         pressure_acceleration[i].w = given if fresh != 0 else pressure_acceleration[i].w + given

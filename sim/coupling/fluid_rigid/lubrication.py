@@ -95,7 +95,7 @@ class Lubrication:
         self.active = False
         self.steady = np.zeros((len(parts), 6))
         """Wrenches but for the pressures at rims: force [N] and torque about their own origins [N m]."""
-        self._near, self._far = NeighborList(48), NeighborList(48)
+        self._near, self._far = NeighborList(16), NeighborList(16)
         boundary = system.boundary
         self._others = Faces(boundary.shapes, spacing, system.h, WIDE * spacing)
 

@@ -80,14 +80,14 @@ def press(
     for e in range(elements.ends[elements.ends.shape[0] - 1]):
         wet, pressure = ti.cast(0.0, real), ti.cast(0.0, real)
         for k in range(far.size[e]):
-            i = far.index[e, k]
+            i = far.index[far.begin[e] + k]
             d = elements.beyond[e].xyz - position[i].xyz
             one = norm * fluid.mass / fluid.rest_density * cubic(d.norm() * inverse_h)
             wet += one
             pressure += one * fluid.rest_density * gravity.dot(d)
         cover = ti.cast(0.0, real)
         for k in range(near.size[e]):
-            i = near.index[e, k]
+            i = near.index[near.begin[e] + k]
             d = elements.ahead[e].xyz - position[i].xyz
             cover += norm * fluid.mass / fluid.rest_density * cubic(d.norm() * inverse_h)
         covered = ti.math.clamp((cover - WET) / (FULL - WET), 0.0, 1.0)
@@ -169,7 +169,7 @@ def press_rims(
         total = ti.cast(0.0, ti.f64)
         if elements.found[r].w > 0.0:
             for k in range(far.size[r]):
-                i = far.index[r, k]
+                i = far.index[far.begin[r] + k]
                 q = pressure[i][Q]
                 if ti.static(is_found):
                     q = pressure[i].x
@@ -203,6 +203,6 @@ def add_response_at_rims(
                 widens += elements.by_rim[r, axis] * response[elements.body[r], axis]
             widens *= fluid.rest_density * fluid.rest_density / (fluid.mass * ti.max(elements.found[r].z, WET))
             for k in range(far.size[r]):
-                i = far.index[r, k]
+                i = far.index[far.begin[r] + k]
                 share = share_of(r, i, fluid.h, fluid.mass / fluid.rest_density, position, elements.beyond)
                 pressure_acceleration[i].w += share * ti.cast(widens, real)

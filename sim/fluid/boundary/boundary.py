@@ -35,7 +35,7 @@ class Boundary:
         self.elsewhere = Faces(shapes, spacing, h, h)
         """For other points than the particles: where these were, or would have gone."""
         self.sheets: OneSidedSamples | None = None
-        self.neighbors = NeighborList(48)
+        self.neighbors = NeighborList(16)
         self.held_off = 0
         """Particles that were brought back since this was last set to zero."""
         self._allocate()
@@ -55,7 +55,7 @@ class Boundary:
         """The samples of sheets and which of them are near each particle, as kernels take them."""
         near, known = self.neighbors, self._near_samples
         if known is None or known.index is not near.index:
-            self._near_samples = Samples(self.samples, self.velocity, near.size, near.index)
+            self._near_samples = Samples(self.samples, self.velocity, near.begin, near.size, near.index)
         return self._near_samples
 
     @property
@@ -95,13 +95,9 @@ class Boundary:
     def list(self, position: ti.Ndarray, count: int) -> None:
         """List the solids and samples near each of `count` particles."""
         self.faces.find(position, count)
-        while self.sheets and count:
+        if self.sheets and count:
             self.sheets.find(position, count)
-            self.neighbors.reserve(count)
-            longest = self.sheets.tell(position, count, self.neighbors)
-            if longest <= self.neighbors.capacity:
-                return
-            self.neighbors.grow(longest)
+            self.sheets.tell(position, count, self.neighbors)
 
     def around(self, points: np.ndarray) -> Faces:
         """What solids are to other points than the particles [m], shape [n, 3], until the next are asked for."""

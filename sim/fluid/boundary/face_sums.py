@@ -141,7 +141,7 @@ def sever(count: ti.i32, position: Vec4Array, walls: Walls, near: Neighbors):
             x = position[i].xyz
             left = 0
             for k in range(near.size[i]):
-                j = near.index[i, k]
+                j = near.index[near.begin[i] + k]
                 d = position[j].xyz - x
                 cut = False
                 for e in range(walls.begin[i], walls.begin[i] + walls.size[i]):
@@ -157,11 +157,11 @@ def sever(count: ti.i32, position: Vec4Array, walls: Walls, near: Neighbors):
                                     leaves = 1.0 - other.w / (other.w - behind)
                                     cut = cut or enters <= leaves + TOUCHING
                 if not cut:
-                    near.index[i, left] = j
+                    near.index[near.begin[i] + left] = j
                     left += 1
             near.size[i] = left
             for k in range(left, padded(left)):
-                near.index[i, k] = i
+                near.index[near.begin[i] + k] = i
 
 
 @ti.kernel

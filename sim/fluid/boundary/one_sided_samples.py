@@ -19,7 +19,7 @@ class OneSidedSamples(ABC):
     def __init__(self, count: int, radius: float):
         self.count = count
         self.grid = HashGrid(count, radius)
-        self.near = NeighborList(48)
+        self.near = NeighborList(16)
         self.here, self.sorted, self.facing = (ti.ndarray(vec4, max(count, 1)) for _ in range(3))
 
     @abstractmethod
@@ -31,20 +31,10 @@ class OneSidedSamples(ABC):
         _arrange(self.count, self.grid.sort(self.here, self.count), self.here, self.sorted)
         self.near.build(position, count, self.grid, self.sorted, same=False)
 
-    def tell(self, position: ti.Ndarray, count: int, lists: NeighborList) -> int:
-        """Write what `find` has listed, by number, and for the particles that samples are for.
-
-        Returns the room that the longest needs; lists are whole where that is at most their capacity.
-        """
-        return _tell(
-            count,
-            position,
-            self.grid.order,
-            self.near.lists,
-            self.facing,
-            lists.capacity,
-            lists.lists,
-        )
+    def tell(self, position: ti.Ndarray, count: int, lists: NeighborList) -> None:
+        """Write what `find` has listed, by number, and for the particles that samples are for."""
+        lists.match(self.near, count)
+        _tell(count, position, self.grid.order, self.near.lists, self.facing, lists.lists)
 
     @property
     def bytes(self) -> int:
@@ -65,21 +55,17 @@ def _tell(
     order: IntArray,
     near: Neighbors,
     facing: Vec4Array,
-    capacity: ti.i32,
     lists: Neighbors,
-) -> ti.i32:
-    longest = 0
+):
     for i in range(count):
-        end = 0
+        slot = near.begin[i]
+        lists.begin[i] = slot
         for k in range(near.size[i]):
-            sample = order[near.index[i, k]]
+            sample = order[near.index[near.begin[i] + k]]
             if beyond(facing[sample], position[i]):
-                if end < capacity:
-                    lists.index[i, end] = sample
-                end += 1
-        lists.size[i] = ti.min(end, capacity)
-        ti.atomic_max(longest, end)
-    return longest
+                lists.index[slot] = sample
+                slot += 1
+        lists.size[i] = slot - near.begin[i]
 
 
 @ti.func

@@ -18,7 +18,7 @@ def sheet_share(
     share = ti.cast(0.0, real)
     gradient = vec3(0.0)
     for k in range(samples.size[row]):
-        b = samples.sample[samples.index[row, k]]
+        b = samples.sample[samples.index[samples.begin[row] + k]]
         d = x - b.xyz
         q = d.norm() * inverse_h
         share += norm * b[VOLUME] * cubic(q)
@@ -36,7 +36,7 @@ def approach(
     """Rate [1/s] at which the motion of the samples alone raises the share of the solids at x."""
     rate = ti.cast(0.0, real)
     for k in range(samples.size[row]):
-        b = samples.index[row, k]
+        b = samples.index[samples.begin[row] + k]
         d = x - samples.sample[b].xyz
         rate -= samples.sample[b][VOLUME] * cubic_slope(d.norm() * inverse_h) * d.dot(samples.velocity[b].xyz)
     return slope_norm(inverse_h) * rate

@@ -125,7 +125,7 @@ def _accelerate(
         a = vec3(0.0)
         if ti.static(has_samples):
             for k in range(samples.size[i]):
-                b = samples.sample[samples.index[i, k]]
+                b = samples.sample[samples.index[samples.begin[i] + k]]
                 d = x - b.xyz
                 r = ti.max(d.norm(), 1e-6 * h)
                 a -= sample_strength * b[VOLUME] * adhesion(r * inverse_h) / r * d

@@ -65,7 +65,7 @@ def _damp(
         x, v = position[i].xyz, velocity[i].xyz
         first, second, slope, difference = vec3(0.0), mat3(0.0), mat3(0.0), vec3(0.0)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             d, dv = inverse_h * (x - position[j].xyz), v - velocity[j].xyz
             weight = cubic(d.norm())
             first += weight * d
@@ -79,6 +79,6 @@ def _damp(
         x = position[i].xyz
         lost = vec3(0.0)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             lost += cubic((x - position[j].xyz).norm() * inverse_h) * (rough[i].xyz - rough[j].xyz)
         velocity[i].xyz -= share * norm * lost

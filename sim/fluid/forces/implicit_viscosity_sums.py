@@ -71,8 +71,8 @@ def begin(
         block = ti.Matrix.identity(real, 3)
         pull = vec3(0.0)
         for k in range(padded(near.size[i])):
-            vj = p.viscous_search[near.index[i, k]]
-            d = x - p.position[near.index[i, k]].xyz
+            vj = p.viscous_search[near.index[near.begin[i] + k]]
+            d = x - p.position[near.index[near.begin[i] + k]].xyz
             r2 = d.dot(d)
             strength = fluid.mass * slope_strength * viscous(2.0, viscosity) / (v[DENSITY] + vj[DENSITY])
             strength *= cubic_slope(ti.sqrt(r2) * inverse_h) / (r2 + softening)
@@ -140,7 +140,7 @@ def iterate(
             x, s = p.position[i].xyz, p.viscous_search[i]
             pull = vec3(0.0)
             for k in range(padded(near.size[i])):
-                j = near.index[i, k]
+                j = near.index[near.begin[i] + k]
                 sj = p.viscous_search[j]
                 d = x - p.position[j].xyz
                 r2 = d.dot(d)

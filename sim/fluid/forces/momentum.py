@@ -162,7 +162,7 @@ def _accelerate(
         push, rub, pull = vec3(0.0), vec3(0.0), vec3(0.0)
         if ti.static(terms & (PRESSURE | VISCOSITY | ARTIFICIAL | COHESION)):
             for k in range(padded(near.size[i])):
-                j = near.index[i, k]
+                j = near.index[near.begin[i] + k]
                 xj = p.position[j]
                 d = x.xyz - xj.xyz
                 r2 = d.dot(d)
@@ -187,9 +187,9 @@ def _accelerate(
             a += p.pressure_acceleration[i].xyz
         if ti.static(terms & SAMPLES and terms & (PRESSURE | WALL_FRICTION | DAMPING)):
             for k in range(samples.size[i]):
-                b = samples.sample[samples.index[i, k]]
+                b = samples.sample[samples.index[samples.begin[i] + k]]
                 d = x.xyz - b.xyz
-                relative = v.xyz - samples.velocity[samples.index[i, k]].xyz
+                relative = v.xyz - samples.velocity[samples.index[samples.begin[i] + k]].xyz
                 strength = fluid.rest_density * slope_norm * b[VOLUME]
                 if ti.static(terms & PRESSURE):
                     push -= x[Q] * (strength * cubic_slope(d.norm() * inverse_h) * d)  # Akinci et al. 2012, eq. 9

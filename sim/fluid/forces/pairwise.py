@@ -35,7 +35,7 @@ def pressure_sum(i: ti.i32, position: Vec4Array, near: ti.template(), inverse_h:
     x = position[i]
     a = vec3(0.0)
     for k in range(padded(near.size[i])):
-        xj = position[near.index[i, k]]
+        xj = position[near.index[near.begin[i] + k]]
         d = x.xyz - xj.xyz
         a -= (x[Q] + xj[Q]) * cubic_slope(d.norm() * inverse_h) * d  # Monaghan 1992, eq. 3.3
     return a
@@ -65,7 +65,7 @@ def pair_pressures(
         x = position[i]
         mine = x[Q] * matrix(lens.correction[i], lens.skew[i])
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             xj = position[j]
             d = x.xyz - xj.xyz
             a -= cubic_slope(d.norm() * inverse_h) * ((mine + xj[Q] * matrix(lens.correction[j], lens.skew[j])) @ d)

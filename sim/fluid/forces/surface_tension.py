@@ -92,7 +92,7 @@ def _accelerate(
         x = position[i].xyz
         n = vec3(0.0)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             d = x - position[j].xyz
             n += cubic_slope(d.norm() * inverse_h) / velocity[j][DENSITY] * d
         normal[i] = vec4(h * fluid.mass * slope_strength * n, velocity[i][DENSITY])  # Akinci et al. 2013a, eq. 3
@@ -100,8 +100,8 @@ def _accelerate(
         x, n = position[i].xyz, normal[i]
         a = vec3(0.0)
         for k in range(padded(near.size[i])):
-            nj = normal[near.index[i, k]]
-            d = x - position[near.index[i, k]].xyz
+            nj = normal[near.index[near.begin[i] + k]]
+            d = x - position[near.index[near.begin[i] + k]].xyz
             r = ti.max(d.norm(), 1e-6 * h)
             pull = BALANCE * cohesion(r * inverse_h) / r * d + n.xyz - nj.xyz
             # Lists may hold pairs that are further apart.

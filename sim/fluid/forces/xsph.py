@@ -50,7 +50,7 @@ def _mix(
         x, v = position[i].xyz, velocity[i]
         change = vec3(0.0)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             vj = velocity[j]
             change += (
                 2.0 * cubic((x - position[j].xyz).norm() * inverse_h) / (v[DENSITY] + vj[DENSITY]) * (vj.xyz - v.xyz)

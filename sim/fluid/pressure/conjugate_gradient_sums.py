@@ -150,7 +150,7 @@ def iterate(
                 if ti.static(parts & CORRECTED):
                     mine = matrix(lens.correction[i], lens.skew[i])
                 for k in range(padded(near.size[i])):
-                    j = near.index[i, k]
+                    j = near.index[near.begin[i] + k]
                     d = x.xyz - p.position[j].xyz
                     slope = cubic_slope(d.norm() * inverse_h)
                     if ti.static(parts & CORRECTED):

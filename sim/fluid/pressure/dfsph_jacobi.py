@@ -175,7 +175,7 @@ def _begin_divergence(
         x, v = p.position[i].xyz, p.velocity[i].xyz
         pairs, solids, filled = ti.cast(0.0, real), ti.cast(0.0, real), volume * near.size[i]
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             d = x - p.position[j].xyz
             pairs += cubic_slope(d.norm() * inverse_h) * d.dot(v - p.velocity[j].xyz)
         last = walls.begin[i] + walls.size[i]
@@ -245,7 +245,7 @@ def _iterate(
             x, a = p.position[i].xyz, p.pressure_acceleration[i].xyz
             change = ti.cast(0.0, real)
             for k in range(padded(near.size[i])):
-                j = near.index[i, k]
+                j = near.index[near.begin[i] + k]
                 d = x - p.position[j].xyz
                 change += cubic_slope(d.norm() * inverse_h) * d.dot(a - p.pressure_acceleration[j].xyz)
             left = p.source[i] + dt2 * (strength * change + a.dot(p.solid[i].xyz))  # the paper, eq. 17

@@ -105,7 +105,7 @@ def overlap(i: ti.i32, position: Vec4Array, near: ti.template(), walls: ti.templ
             gap = gap or facing(walls.face[e].xyz, walls.face[other].xyz)
     if not gap:
         for k in range(near.size[i]):
-            d = position[i].xyz - position[near.index[i, k]].xyz
+            d = position[i].xyz - position[near.index[near.begin[i] + k]].xyz
             depth = ti.cast(0.0, real)
             for e in range(first, last):
                 depth = ti.max(depth, walls.face[e].xyz.dot(d) - walls.face[e][DISTANCE])
@@ -159,12 +159,12 @@ def _compression_rates(
         last = walls.begin[i] + walls.size[i]
         sums = mat3(0.0)
         for k in range(padded(near.size[i])):
-            d = x - p.position[near.index[i, k]].xyz
+            d = x - p.position[near.index[near.begin[i] + k]].xyz
             sums -= cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
         sums *= fluid.mass / fluid.rest_density * slope_strength
         if ti.static(has_samples):
             for k in range(samples.size[i]):
-                b = samples.sample[samples.index[i, k]]
+                b = samples.sample[samples.index[samples.begin[i] + k]]
                 d = x - b.xyz
                 sums -= slope_strength * b[VOLUME] * cubic_slope(d.norm() * inverse_h) * d.outer_product(d)
         filled, room = sums.trace() / 3.0, ti.cast(1.0, real)
@@ -186,7 +186,7 @@ def _compression_rates(
         lens.skew[i] = vec4(mine[0, 1], mine[0, 2], mine[1, 2], 0.0)
         along, squares, pairs = vec3(0.0), ti.cast(0.0, real), ti.cast(0.0, real)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             d = x - p.position[j].xyz
             gradient = cubic_slope(d.norm() * inverse_h) * (mine @ d)
             along += gradient

@@ -183,7 +183,7 @@ def _compress(
         x = p.predicted[i].xyz
         total = ti.cast(0.0, real)
         for k in range(padded(near.size[i])):
-            total += cubic((x - p.predicted[near.index[i, k]].xyz).norm() * inverse_h)
+            total += cubic((x - p.predicted[near.index[near.begin[i] + k]].xyz).norm() * inverse_h)
         share = walls.share[i]
         if ti.static(has_samples):
             share += sheet_share(x, i, samples, inverse_h)

@@ -147,7 +147,7 @@ def _prepare(
         total, squares = ti.cast(0.0, real), ti.cast(0.0, real)
         along, rub = vec3(0.0), vec3(0.0)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             d = x - p.position[j].xyz
             r2 = d.dot(d)
             q = ti.sqrt(r2) * inverse_h
@@ -191,7 +191,7 @@ def _predict(
         x, v = p.position[i].xyz, p.velocity[i]
         total = ti.cast(0.0, real)
         for k in range(padded(near.size[i])):
-            j = near.index[i, k]
+            j = near.index[near.begin[i] + k]
             total += cubic((x - p.position[j].xyz + dt * (v.xyz - p.velocity[j].xyz)).norm() * inverse_h)
         share = walls.share[i]
         if ti.static(has_samples):

@@ -138,13 +138,13 @@ def _density(
         x = position[i].xyz
         total = ti.cast(0.0, real)
         for k in range(padded(near.size[i])):
-            total += cubic((x - position[near.index[i, k]].xyz).norm() * inverse_h)
+            total += cubic((x - position[near.index[near.begin[i] + k]].xyz).norm() * inverse_h)
         # The padding repeats the particle itself, whose W h^3 pi / 8 is 1.
         density = fluid.mass * norm * (total + itself(near.size[i]))
         if ti.static(has_samples):
             solid = ti.cast(0.0, real)
             for k in range(samples.size[i]):
-                b = samples.sample[samples.index[i, k]]
+                b = samples.sample[samples.index[samples.begin[i] + k]]
                 solid += b[VOLUME] * cubic((x - b.xyz).norm() * inverse_h)
             density += fluid.rest_density * norm * solid
         density += fluid.rest_density * walls.share[i].w

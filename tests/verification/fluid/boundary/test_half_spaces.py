@@ -529,8 +529,9 @@ def pairs_of(solids, points):
     system = FluidSystem(spec, np.zeros(3), Boundary(Shapes(solids, np.zeros(3), SPACING, H), SPACING, H, H))
     load(system, points)
     system.find_neighbors()
-    size, index = system.neighbors.size.to_numpy()[: len(points)], system.neighbors.index.to_numpy()
-    pairs = np.array([(i, j) for i in range(len(points)) for j in index[i, : size[i]]])
+    near = system.neighbors
+    begin, size, index = (array.to_numpy() for array in (near.begin, near.size, near.index))
+    pairs = np.array([(i, j) for i in range(len(points)) for j in index[begin[i] : begin[i] + size[i]]])
     return system.particles.numpy("position")[:, :3].astype(np.float64), pairs
 
 
