@@ -149,6 +149,13 @@ class Particles:
             if field.name in fresh:
                 _PUT[field.element](first, number, fresh[field.name], getattr(self, field.name))
 
+    def forget(self) -> None:
+        """Set to zero what is carried along and not saved, so that a run that goes on from a checkpoint does the
+        same."""
+        for field in self.declared:
+            if field.sorted and not field.saved:
+                getattr(self, field.name).fill(0)
+
     def numpy(self, name: str) -> np.ndarray:
         """A copy of one array, shape [count, components], or [count] of numbers."""
         return getattr(self, name).to_numpy()[: self.count]

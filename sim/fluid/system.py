@@ -83,6 +83,7 @@ class FluidSystem:
         self._distance_left = 0.0
         self._listed = self._listed and self._skin == 0
         self.forgetful = True
+        self.particles.forget()
         return self.grid.fit(self.count)
 
     def exchange(self, dt: float, distance: float = float("inf")) -> None:

@@ -11,12 +11,13 @@ leaves is part of the compression that the first one takes away in the next step
 
 from typing import ClassVar
 
-from sim.device.arrays import Declared, Vec4Array, real
+from sim.device.arrays import Declared, RealArray, Vec4Array, real
 from sim.device.compiler import ti
 from sim.fluid.boundary.samples import remember_displacement
 from sim.fluid.forces.hyperviscosity import Hyperviscosity
+from sim.fluid.layout import Q
 from sim.fluid.pressure import gradient_correction, projection
-from sim.fluid.pressure.conjugate_gradients import ConjugateGradients
+from sim.fluid.pressure.conjugate_gradients import ConjugateGradients, Solution
 from sim.fluid.pressure.gradient_correction import compression_rates
 from sim.fluid.pressure.incompressible import Incompressible
 from sim.fluid.pressure.projection import Projection
@@ -31,6 +32,8 @@ MEAN_BESIDE_BODIES = 0.1
 is a part of the force on it for some steps."""
 MOST_LOOKS = 5
 """At where particles are, to move them apart: what equations leave out falls by the square of the way."""
+SHORT = 0.1
+"""After a way that is shorter than this share of the support, they leave out less than a hundredth."""
 LESS = 0.5
 """A look that leaves more than this of the mean compression was the last: fluid that has no room cannot be moved
 apart."""
@@ -43,6 +46,8 @@ class Dfsph(Incompressible):
         *projection.ARRAYS,
         *gradient_correction.ARRAYS,
         Incompressible.BEFORE,
+        Declared("apart_pressure", "real", "q that moved apart in the last step", saved=False),
+        Declared("apart_change", "real", "L q of it", saved=False),
     )
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
         Declared("pressed", "vec4", "way by pressure, and apart, in the last step [m]", saved=False),
@@ -60,7 +65,7 @@ class Dfsph(Incompressible):
         self.hyperviscosity = Hyperviscosity(system, self.settings.hyperviscosity)
 
     def examine(self, dt: float) -> None:
-        self.projection.prepare()
+        self.projection.prepare(diagonal=False)
 
     def solve_pressures(self, dt: float) -> dict[str, float]:
         system, particles, settings = self.system, self.system.particles, self.settings
@@ -100,27 +105,48 @@ class Dfsph(Incompressible):
                 break
             if mean > LESS * last or iterations >= most:
                 break
+            solution = self._move_apart(dt, tolerance, most - iterations)
+            iterations += solution.iterations
+            if LESS * mean <= tolerance and solution.displacement < SHORT * self.system.h:
+                break
             last = mean
-            iterations += self._move_apart(dt, tolerance, most - iterations)
         return {"pressure_iterations": iterations, "capped": iterations >= most}
 
-    def _move_apart(self, dt: float, tolerance: float, most: int) -> int:
-        """One look; what is led through nozzles stays where it is. Returns the iterations."""
+    def _move_apart(self, dt: float, tolerance: float, most: int) -> Solution:
+        """One look; what is led through nozzles stays where it is.
+
+        Particles come together in much the same way from step to step, so that the pressures that parted them last are
+        near those that will.
+        """
         system, particles = self.system, self.system.particles
         system.lead()
         _keep(system.count, particles.velocity, particles.before)
-        iterations = self.apart.solve(dt, tolerance, 1, most, warm=False, ahead=0.0, alone=True).iterations
+        pressures = particles.position, particles.acceleration, particles.apart_pressure, particles.apart_change
+        _exchange_pressures(system.count, *pressures)
+        solution = self.apart.solve(dt, tolerance, 1, most, warm=True, ahead=0.0, alone=True)
+        _exchange_pressures(system.count, *pressures)
         system.lead()
         if system.remembers:
             _remember(system.count, dt, particles.velocity, particles.before, particles.pressed)
         _shift(system.count, dt, particles.position, particles.velocity, particles.before)
-        return iterations
+        return solution
 
 
 @ti.kernel
 def _keep(count: ti.i32, velocity: Vec4Array, before: Vec4Array):
     for i in range(count):
         before[i].xyz = velocity[i].xyz
+
+
+@ti.kernel
+def _exchange_pressures(
+    count: ti.i32, position: Vec4Array, acceleration: Vec4Array, pressure: RealArray, change: RealArray
+):
+    """Take others, and what they change, in place of those that position.w and acceleration.w have, and the reverse."""
+    for i in range(count):
+        q, changed = position[i][Q], acceleration[i].w
+        position[i][Q], acceleration[i].w = pressure[i], change[i]
+        pressure[i], change[i] = q, changed
 
 
 @ti.kernel

@@ -115,6 +115,7 @@ class Projection:
         _predict(
             system.count,
             dt,
+            dt != 0.0,
             system.resolution,
             particles.bundle(Unknowns),
             system.neighbors.lists,
@@ -178,6 +179,7 @@ def _prepare(
 def _predict(
     count: ti.i32,
     dt: real,
+    moves: ti.template(),
     fluid: Resolution,
     p: Unknowns,
     near: Neighbors,
@@ -192,7 +194,10 @@ def _predict(
         total = ti.cast(0.0, real)
         for k in range(padded(near.size[i])):
             j = near.index[near.begin[i] + k]
-            total += cubic((x - p.position[j].xyz + dt * (v.xyz - p.velocity[j].xyz)).norm() * inverse_h)
+            d = x - p.position[j].xyz
+            if ti.static(moves):
+                d += dt * (v.xyz - p.velocity[j].xyz)
+            total += cubic(d.norm() * inverse_h)
         share = walls.share[i]
         if ti.static(has_samples):
             share += sheet_share(x + dt * v.xyz, i, samples, inverse_h)
