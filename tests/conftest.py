@@ -115,11 +115,11 @@ def arch(request: pytest.FixtureRequest) -> Iterator[None]:
 
 @pytest.fixture
 def taichi():
-    """Taichi, running on the CPU with one thread, as in all tests that are not of threads: kernels for another number
-    are others, and would be compiled beside them."""
+    """Taichi, running on the CPU in one thread, as small scenes do: kernels for several are others, and would be
+    compiled beside them."""
     from sim.device import runtime
 
-    runtime.start(threads=1, arch="cpu")
+    runtime.start(threads=1, arch="cpu", serial=True)
     from sim.device.compiler import ti
 
     return ti

@@ -9,20 +9,23 @@ import os
 import sys
 
 from common.registry import packages
-from sim.device import compilation, kernel_cache, launching, summation
+from sim.device import compilation, kernel_cache, launching, serial_loops, summation
 from sim.device.affinity import bound
 
-_running: tuple[str, int] | None = None
+_running: tuple[str, int, bool] | None = None
 
 
-def start(*, threads: int | None = None, arch: str = "auto") -> str:
+def start(*, threads: int | None = None, arch: str = "auto", serial: bool = False) -> str:
     """Start Taichi; returns the name of the architecture.
 
-    `arch` is auto, cpu or cuda; raises Refused for cuda without a device, and where no kernels can be kept. Asking
-    Taichi for "any GPU" crashes on machines with a display library and no GPU, so CUDA is asked for by name. Arrays are
-    freed one by one, so what runs already is kept: starting anew would compile all kernels again. Taichi's optimization
-    of the control flow graph is left to LLVM: it took up to three quarters of the time to compile, and made no kernel
-    faster.
+    `arch` is auto, cpu or cuda; raises Refused for cuda without a device, and where no kernels can be kept. `serial`:
+    on a CPU, let all loops run in the thread that launches them, whatever `threads` says (`sim.device.serial_loops`);
+    numbers are rounded in another way then.
+
+    Asking Taichi for "any GPU" crashes on machines with a display library and no GPU, so CUDA is asked for by name.
+    Arrays are freed one by one, so what runs already is kept: starting anew would compile all kernels again. Taichi's
+    optimization of the control flow graph is left to LLVM: it took up to three quarters of the time to compile, and
+    made no kernel faster.
     """
     global _running
     from sim.device import argument_packs
@@ -38,7 +41,8 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
         from sim.device import precision
 
         device = "cuda" if arch != "cpu" and is_arch_supported(ti.cuda) else "cpu"
-        wanted = device, threads or os.cpu_count() or 1
+        in_thread = serial and device == "cpu" and compiler.serial
+        wanted = device, 1 if in_thread else threads or os.cpu_count() or 1, in_thread
         if wanted != _running:
             if _running:
                 _disown()
@@ -59,6 +63,8 @@ def start(*, threads: int | None = None, arch: str = "auto") -> str:
             argument_packs.amend()
             compilation.watch()
             launching.forget()
+            if compiler.serial:
+                serial_loops.choose(serial=in_thread)
             if device == "cpu":
                 summation.keep_order()
                 if compiler.relaunch:

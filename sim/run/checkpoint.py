@@ -57,6 +57,8 @@ class Checkpoint:
     fluid: FluidState | None
     rigid: RigidState | None = None
     cloth: ClothState | None = None
+    one_thread: bool = False
+    """Whether the run takes one thread, which decides how its numbers are rounded."""
 
     @property
     def bytes(self) -> int:
@@ -83,6 +85,7 @@ class Checkpoint:
             "probe_means": {name: asdict(values) for name, values in self.probe_means.items()},
             "emission": self.emission,
             "layout": _layout(spec),
+            "one_thread": self.one_thread,
         }
         if self.rigid is not None:
             meta["dynamic_bodies"] = self.rigid.names
@@ -130,7 +133,7 @@ class Checkpoint:
         if origin is None or origin.shape != (3,) or origin.dtype != np.float64 or not np.isfinite(origin).all():
             raise _damaged(path, "origin is missing or of another kind")
         means = {name: Gathered(**values.model_dump()) for name, values in head.probe_means.items()}
-        return cls(clock, head.counts, head.probe_times, means, emission, origin, fluid, rigid, cloth)
+        return cls(clock, head.counts, head.probe_times, means, emission, origin, fluid, rigid, cloth, head.one_thread)
 
 
 def state_name(frame: int) -> str:

@@ -58,5 +58,6 @@ class Head(Settings):
     probe_means: dict[str, GatheredHead] = {}
     emission: EmissionHead = EmissionHead()
     layout: dict[str, Any]
+    one_thread: Annotated[bool, Strict()] = False
     dynamic_bodies: tuple[str, ...] | None = None
     sheets: tuple[tuple[str, Whole], ...] | None = None

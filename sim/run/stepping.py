@@ -15,6 +15,7 @@ from sim.device import compilation, runtime
 from sim.run.checkpoint import Checkpoint, Clock
 from sim.run.failure import MAX_RETRIES, Fault, Interrupted, Stopped, find_fault, report, short_step
 from sim.run.first_step import refuse_beginning
+from sim.run.one_thread import takes_one_thread
 from sim.run.output import Output
 from sim.run.placing.fluid_bodies import numbered, without
 from sim.run.probes.sampling import Probes
@@ -53,6 +54,8 @@ class Run:
         self.arch = arch
         self.notices = Notices(warn)
         self.device = "none"
+        self.one_thread = False
+        """Whether the scene is so small that it takes a single thread."""
         self.clock = Clock()
         self.counts = Counts()
         self.probes = Probes(spec)
@@ -84,6 +87,7 @@ class Run:
     def resume(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint, byte for byte as the run that made it."""
         self.good = checkpoint
+        self.one_thread = checkpoint.one_thread
         self.clock = Clock(**asdict(checkpoint.clock))
         self.counts = Counts(**checkpoint.counts)
         self.probes = Probes(self.spec, checkpoint.probe_times, checkpoint.probe_means)
@@ -140,6 +144,7 @@ class Run:
             fluid=self.world.fluid.state() if self.world.fluid else None,
             rigid=self.world.rigid.state() if self.world.rigid else None,
             cloth=self.world.cloth.state() if self.world.cloth else None,
+            one_thread=self.one_thread,
         )
 
     def frames(self, last: int, output: Output, *, write_first: bool, done: Callable[[], None]) -> None:
@@ -276,9 +281,11 @@ class Run:
 
     def _build(self, state: FluidState | None, emission: dict[str, Any], *, going_on: bool) -> None:
         self.notices.tell_mended(self.world.obstacles)
+        if not going_on:
+            self.one_thread = takes_one_thread(self.world, state.count if state is not None else 0)
         if state is not None or self.world.obstacles.dynamic or self.world.sheets:
             with self.stopwatch.phase("compile"):
-                self.device = runtime.start(threads=self.threads, arch=self.arch)
+                self.device = runtime.start(threads=self.threads, arch=self.arch, serial=self.one_thread)
         with self.stopwatch.phase("build"):
             self.world.build(state, emission, self.counts, self.notices.tell, self.clock.time, going_on=going_on)
             self.measure = self.world.measure()

@@ -37,7 +37,7 @@ def part(
     """The bodies, in the order given but for planes, which come last."""
     from sim.device import runtime
 
-    runtime.start(threads=threads, arch="cpu")
+    runtime.start(threads=threads, arch="cpu", serial=threads == 1)
     from sim.bodies.obstacles import find_obstacles
     from sim.rigid.assemble import assemble
     from sim.rigid.body import RigidState

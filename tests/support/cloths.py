@@ -37,7 +37,7 @@ def part(
     """The sheets of a scene as placed; `cloth` are the settings beside them."""
     from sim.device import runtime
 
-    runtime.start(threads=threads, arch="cpu")
+    runtime.start(threads=threads, arch="cpu", serial=threads == 1)
     from sim.cloth.fabric.state import ClothState
     from sim.cloth.model import ClothModel, find_sheets
     from sim.cloth.spec import Cloth
@@ -82,7 +82,7 @@ def scene(sheets: dict[str, Any], bodies: dict[str, Any], **settings: Any):
     from sim.run.world import World
     from sim.spec import SimulationSpec
 
-    runtime.start(threads=1, arch="cpu")
+    runtime.start(threads=1, arch="cpu", serial=True)
     cloth = {"sheets": sheets, **settings.pop("cloth", {})}
     spec = SimulationSpec.model_validate({"fps": 24, "rigid": {"bodies": bodies}, "cloth": cloth, **settings})
     world = World(spec, Path("/"))

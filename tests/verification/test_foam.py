@@ -22,7 +22,7 @@ STILL = {"trapped_air": {"rate": 0}, "wave_crest": {"rate": 0}}
 
 @pytest.fixture(autouse=True)
 def _taichi():
-    runtime.start(arch="cpu", threads=1)
+    runtime.start(arch="cpu", threads=1, serial=True)
 
 
 def job(**foam) -> FoamJobSpec:
