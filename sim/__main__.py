@@ -97,7 +97,7 @@ def _add_live_options(live: argparse.ArgumentParser) -> None:
 
 
 def _add_device(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--threads", type=positive(int), help="CPU threads (default: all)")
+    command.add_argument("--threads", type=positive(int), help="CPU threads (default: all; small scenes take one)")
     command.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
 
 

@@ -253,7 +253,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--frames", type=frame_range, required=True, metavar="A:B", help="frames to write")
     parser.add_argument("--resume", type=Path, metavar="STATE", help="state after frame A-1")
     parser.add_argument("--out", type=Path, required=True, help="folder for frames, tables and the state after frame B")
-    parser.add_argument("--threads", type=positive(int), help="CPU threads (default: all)")
+    parser.add_argument("--threads", type=positive(int), help="CPU threads (default: all; small scenes take one)")
     parser.add_argument("--arch", choices=("auto", "cpu", "cuda"), default="auto", help="default: CUDA if there")
     options = parser.parse_args(arguments)
     return guarded(

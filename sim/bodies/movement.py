@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +40,14 @@ class Movement:
 
     def quaternion(self) -> np.ndarray:
         """The rotation as w, x, y, z of unit length with w >= 0, shape [4]."""
-        from scipy.spatial.transform import Rotation
+        return quaternions([self])[0]
 
-        x, y, z, w = Rotation.from_matrix(self.rotation).as_quat()
-        return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
+
+def quaternions(movements: Sequence[Movement]) -> np.ndarray:
+    """Their rotations as w, x, y, z of unit length with w >= 0, shape [n, 4]."""
+    if not movements:
+        return np.zeros((0, 4))
+    from scipy.spatial.transform import Rotation
+
+    found = np.roll(Rotation.from_matrix([movement.rotation for movement in movements]).as_quat(), 1, axis=1)
+    return found * np.where(found[:, :1] >= 0, 1.0, -1.0)

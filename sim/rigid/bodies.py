@@ -164,13 +164,14 @@ class RigidBodies:
 
     def movement(self, index: int) -> Movement:
         """Where a body is now."""
-        return Movement(
-            pivot=self._pivots[index],
-            position=self.position[index].copy(),
-            rotation=rotations(self.rotation[index]).as_matrix() @ self.bodies[index].shape.turn.T,
-            velocity=self.velocity[index].copy(),
-            angular_velocity=self.spin[index].copy(),
-        )
+        return self.movements([index])[0]
+
+    def movements(self, indices: Sequence[int]) -> list[Movement]:
+        """Where each of some bodies is now."""
+        chosen = np.asarray(indices, np.int64)
+        turned = matrices(self.rotation[chosen]) @ self._placed[chosen].transpose(0, 2, 1)
+        parts = self._pivots[chosen], self.position[chosen], turned, self.velocity[chosen], self.spin[chosen]
+        return [Movement(*values) for values in zip(*parts, strict=True)]
 
     def leave_fluid(self) -> None:
         """Feel nothing more of what fluid did in the last step: there is none now."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from common.ply import FLUID_POINT, write_mesh, write_points
 from scene.settings import given
+from sim.bodies.movement import quaternions
 from sim.cloth.spec import Cloth
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
@@ -146,10 +148,12 @@ class Output:
         for sheet in world.sheets:
             vertices, velocities = given(world.cloth).vertices(sheet.name)
             write_mesh(files[f"cloth_{sheet.name}"], vertices, sheet.fabric.triangles, velocities=velocities)
-        for item in world.obstacles.placed:
+        placed = world.obstacles.placed
+        for item in placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)
-            if not item.hollow:
-                self.bodies.add(frame, time, item.name, *_body_state(item, time))
+        bodies = [item for item in placed if not item.hollow]
+        for item, state in zip(bodies, _body_states(bodies, time), strict=True):
+            self.bodies.add(frame, time, item.name, *state)
         for name, (vertices, faces) in world.obstacles.box_surfaces().items():
             if name not in self._meshes:
                 self._meshes.add(name)
@@ -178,14 +182,17 @@ class Output:
             write_mesh(self.folder / f"{kind}_{name}.ply", vertices - centre, faces, colors)
 
 
-def _body_state(item: Obstacle, time: float) -> list[float]:
-    """Centre of mass [m], rotation since it was placed (w, x, y, z), and the velocities [m/s] and [rad/s] of both."""
-    movement = item.movement(time)
-    if movement is None:
-        return [*item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]
-    centre = item.centre_at(time)
-    velocity = movement.velocity_at(centre)
-    return [*centre, *movement.quaternion(), *velocity, *movement.angular_velocity]
+def _body_states(items: Sequence[Obstacle], time: float) -> Iterator[list[float]]:
+    """Of each its centre of mass [m], rotation since it was placed (w, x, y, z), and the velocities [m/s] and [rad/s]
+    of both."""
+    movements = [item.movement(time) for item in items]
+    turned = iter(quaternions([movement for movement in movements if movement is not None]))
+    for item, movement in zip(items, movements, strict=True):
+        if movement is None:
+            yield [*item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]
+        else:
+            centre = item.centre_at(time)
+            yield [*centre, *next(turned), *movement.velocity_at(centre), *movement.angular_velocity]
 
 
 def fluid_points(world: World) -> np.ndarray:

@@ -137,8 +137,9 @@ class World(PlacedScene):
 
     def _follow(self, rigid: RigidModel) -> None:
         """Keep the motions of dynamic bodies up to date."""
-        for index, item in self.obstacles.dynamic.items():
-            item.dynamic.now = rigid.movement(index)
+        dynamic = self.obstacles.dynamic
+        for item, now in zip(dynamic.values(), rigid.movements(list(dynamic)), strict=True):
+            item.dynamic.now = now
 
     def _solids_ahead(self, cloth: ClothModel, dt: float) -> tuple[np.ndarray | None, BodiesInCloth | None]:
         """Where surfaces that cloth may meet are after the step, if any of them moves, and bodies that obey forces."""
