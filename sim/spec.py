@@ -22,7 +22,7 @@ from sim.run.probes.spec import Probe
 Side = Literal["left", "right", "bottom", "top", "back", "front"]
 SIDES: tuple[Side, ...] = ("left", "right", "bottom", "top", "back", "front")
 """-x, +x, -y, +y, -z, +z: the order of the planes of a box."""
-CFL = {"iisph": 0.3, "dfsph": 0.5}
+CFL = {"iisph": 0.3, "dfsph": 0.45}
 """CFL numbers where a scene leaves them out, of solvers that go less or further than others: less than half of those up
 to which five balls of water may be thrown at a wall, 0.64 and 1.56 (`python -m tests.stress.limits`)."""
 
@@ -60,7 +60,7 @@ class TimeStep(Settings):
 
     cfl: Annotated[Dimensionless, Gt(0), Le(1)] = 0.4
     """Largest distance that the fastest signal may travel in one step, over half the support radius. Where a scene
-    leaves it out, 0.3 with IISPH, which is the first to break in an impact, and 0.5 with DFSPH, the last."""
+    leaves it out, 0.3 with IISPH, which is the first to break in an impact, and 0.45 with DFSPH, the last."""
     maximum: PositiveDuration | None = None
     """Never longer than this [s]."""
     fixed: PositiveDuration | None = None

@@ -62,11 +62,12 @@ def thickness(cells: int) -> float:
 
 def ours(name: str, cells: int, seconds: float, threads: int) -> Drape:
     from sim.device import compilation, runtime
+    from sim.run.one_thread import POINTS
     from sim.run.reporting.counts import Counts
     from sim.run.world import World
     from sim.spec import SimulationSpec
 
-    runtime.start(threads=threads, arch="cpu")
+    runtime.start(threads=threads, arch="cpu", serial=(cells + 1) ** 2 < POINTS)
     sheet = {"shape": {"type": "sheet", "size": [SIZE, SIZE]}, "spacing": SIZE / cells, "thickness": thickness(cells),
              "position": [0, RADIUS + GAP, 0], "mass_per_area": MASS_PER_AREA, "stretch_stiffness": STRETCH_STIFFNESS,
              "damping": 0, "bend_damping": 0, "bend_stiffness": 0}  # fmt: skip

@@ -11,7 +11,7 @@ Where the peer's bundled GL library crashes, `--preload libGLdispatch.so.0` help
 
 Compared is stepping alone. Kernels that compile and the first call of each are told apart on our side, as are the
 peer's maps of the walls and its first step. A particle holds d^3 of water on both sides. Each goes as far in a step as
-it does by default, which is 0.5 d for our DFSPH and 0.4 d for the peer, unless `--cfl` says so for both.
+it does by default, which is 0.45 d for our DFSPH and 0.4 d for the peer, unless `--cfl` says so for both.
 """
 
 from __future__ import annotations

@@ -34,6 +34,10 @@ MOST_LOOKS = 5
 """At where particles are, to move them apart: what equations leave out falls by the square of the way."""
 SHORT = 0.1
 """After a way that is shorter than this share of the support, they leave out less than a hundredth."""
+AGAIN, LOCAL = 0.5, 10
+"""Of the pressures that moved particles apart, so much is tried first in the next step (as Ihmsen et al. 2014 do), if
+there were at most so many iterations, each of which takes pressures one layer further: those that reach far lift a deep
+column as a whole, and it falls back."""
 LESS = 0.5
 """A look that leaves more than this of the mean compression was the last: fluid that has no room cannot be moved
 apart."""
@@ -46,7 +50,7 @@ class Dfsph(Incompressible):
         *projection.ARRAYS,
         *gradient_correction.ARRAYS,
         Incompressible.BEFORE,
-        Declared("apart_pressure", "real", "q that moved apart in the last step", saved=False),
+        Declared("apart_pressure", "real", "a share of the q that moved apart in the last step", saved=False),
         Declared("apart_change", "real", "L q of it", saved=False),
     )
     SAMPLE_ARRAYS: ClassVar[tuple[Declared, ...]] = (
@@ -122,9 +126,9 @@ class Dfsph(Incompressible):
         system.lead()
         _keep(system.count, particles.velocity, particles.before)
         pressures = particles.position, particles.acceleration, particles.apart_pressure, particles.apart_change
-        _exchange_pressures(system.count, *pressures)
+        _exchange_pressures(system.count, 1.0, *pressures)
         solution = self.apart.solve(dt, tolerance, 1, most, warm=True, ahead=0.0, alone=True)
-        _exchange_pressures(system.count, *pressures)
+        _exchange_pressures(system.count, AGAIN if solution.iterations <= LOCAL else 0.0, *pressures)
         system.lead()
         if system.remembers:
             _remember(system.count, dt, particles.velocity, particles.before, particles.pressed)
@@ -140,13 +144,14 @@ def _keep(count: ti.i32, velocity: Vec4Array, before: Vec4Array):
 
 @ti.kernel
 def _exchange_pressures(
-    count: ti.i32, position: Vec4Array, acceleration: Vec4Array, pressure: RealArray, change: RealArray
+    count: ti.i32, kept: real, position: Vec4Array, acceleration: Vec4Array, pressure: RealArray, change: RealArray
 ):
-    """Take others, and what they change, in place of those that position.w and acceleration.w have, and the reverse."""
+    """Take others, and what they change, in place of those in position.w and acceleration.w, of which a share is
+    kept."""
     for i in range(count):
         q, changed = position[i][Q], acceleration[i].w
         position[i][Q], acceleration[i].w = pressure[i], change[i]
-        pressure[i], change[i] = q, changed
+        pressure[i], change[i] = kept * q, kept * changed
 
 
 @ti.kernel

@@ -82,7 +82,7 @@ def test_check_looks_at_all_presets(bench, scene):
 def test_each_solver_has_its_own_step_unless_the_scene_says_which(bench, scene):
     """By half the support: IISPH breaks in an impact from 0.67 on, others go further (tests/stress/limits.py)."""
     dfsph, iisph = (scene("fluid:", f"fluid:\n  solver: {solver}") for solver in ("dfsph", "iisph"))
-    assert load(bench.write(dfsph)).simulation.step.cfl == 0.5
+    assert load(bench.write(dfsph)).simulation.step.cfl == 0.45
     assert load(bench.write(iisph)).simulation.step.cfl == 0.3
     assert load(bench.write(iisph), overrides=["step.maximum=0.1"]).simulation.step.cfl == 0.3
     assert load(bench.write(iisph), overrides=["step.cfl=0.4"]).simulation.step.cfl == 0.4
