@@ -81,3 +81,26 @@ def test_order_does_not_depend_on_the_run(taichi):
     assert sorted(orders[0]) == list(range(len(points)))
     for order in orders[1:]:
         np.testing.assert_array_equal(order, orders[0])
+
+
+@pytest.mark.parametrize("seed", [3, 8, 32, 72])
+def test_lists_are_whole_whatever_room_they_begin_with(taichi, seed):
+    """Where a page is just filled, also by a list that needs no padding, and where it lacks an entry."""
+    from sim.device.arrays import vec4
+    from sim.neighbors.spatial_hash import PAGE, HashGrid, NeighborList
+
+    points = np.random.default_rng(seed).normal(size=(PAGE, 3)).astype(np.float32) * 0.06
+    position = taichi.ndarray(vec4, PAGE)
+    grid = HashGrid(PAGE, 0.1)
+    position.from_numpy(np.column_stack((points, np.zeros(PAGE))).astype(np.float32))
+    points = points[grid.sort(position, PAGE).to_numpy()[:PAGE]]
+    position.from_numpy(np.column_stack((points, np.zeros(PAGE))).astype(np.float32))
+    expected = [set(found) - {i} for i, found in enumerate(cKDTree(points).query_ball_point(points, 0.1))]
+    needed = sum(-(-len(found) // 8) * 8 for found in expected)
+    for room in range(needed - 16, needed + 17):
+        lists = NeighborList(1)
+        lists._room = room
+        lists._allocate(PAGE)
+        lists.build(position, PAGE, grid, position, same=True)
+        begin, size, index = (array.to_numpy() for array in (lists.begin, lists.size, lists.index))
+        assert [set(index[first : first + length]) for first, length in zip(begin, size, strict=True)] == expected
