@@ -10,7 +10,6 @@ import numpy as np
 
 from common.ply import FLUID_POINT, write_mesh, write_points
 from scene.settings import given
-from sim.bodies.movement import quaternions
 from sim.cloth.spec import Cloth
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
 from sim.run.table import Table
@@ -186,7 +185,12 @@ def _body_states(items: Sequence[Obstacle], time: float) -> Iterator[list[float]
     """Of each its centre of mass [m], rotation since it was placed (w, x, y, z), and the velocities [m/s] and [rad/s]
     of both."""
     movements = [item.movement(time) for item in items]
-    turned = iter(quaternions([movement for movement in movements if movement is not None]))
+    moving = [movement for movement in movements if movement is not None]
+    turned: Iterator[np.ndarray] = iter(())
+    if moving:
+        from sim.bodies.movement import quaternions
+
+        turned = iter(quaternions(moving))
     for item, movement in zip(items, movements, strict=True):
         if movement is None:
             yield [*item.centre, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0]
