@@ -44,9 +44,7 @@ class Movement:
 
 
 def quaternions(movements: Sequence[Movement]) -> np.ndarray:
-    """Their rotations as w, x, y, z of unit length with w >= 0, shape [n, 4]."""
-    if not movements:
-        return np.zeros((0, 4))
+    """Rotations of one or more as w, x, y, z of unit length with w >= 0, shape [n, 4]."""
     from scipy.spatial.transform import Rotation
 
     found = np.roll(Rotation.from_matrix([movement.rotation for movement in movements]).as_quat(), 1, axis=1)

@@ -147,7 +147,7 @@ class NeighborList:
             )
             if longest < self._room:
                 return
-            self._room = -(-longest * 9 // 8 // LANES + 1) * LANES
+            self._room = (longest * 9 // 8 // LANES + 2) * LANES
             self._allocate(self._rows)
 
     def reserve(self, count: int) -> None:

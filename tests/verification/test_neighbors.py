@@ -83,6 +83,28 @@ def test_order_does_not_depend_on_the_run(taichi):
         np.testing.assert_array_equal(order, orders[0])
 
 
+@pytest.mark.parametrize("seed", [3, 8])
+@pytest.mark.parametrize("room", range(8, 73, 8))
+def test_lists_with_room_of_their_own_grow_to_what_they_need(taichi, seed, room):
+    """As on a GPU, whatever is needed next."""
+    from sim.device.arrays import vec4
+    from sim.neighbors.spatial_hash import HashGrid, NeighborList
+
+    points = np.random.default_rng(seed).normal(size=(64, 3)).astype(np.float32) * 0.06
+    position = taichi.ndarray(vec4, 64)
+    position.from_numpy(np.column_stack((points, np.zeros(64))).astype(np.float32))
+    grid = HashGrid(64, 0.1)
+    points = points[grid.sort(position, 64).to_numpy()[:64]]
+    position.from_numpy(np.column_stack((points, np.zeros(64))).astype(np.float32))
+    lists = NeighborList(1)
+    lists._page, lists._room = 1, room
+    lists._allocate(64)
+    lists.build(position, 64, grid, position, same=True)
+    begin, size, index = (array.to_numpy() for array in (lists.begin, lists.size, lists.index))
+    for i, found in enumerate(cKDTree(points).query_ball_point(points, 0.1)):
+        assert set(index[begin[i] : begin[i] + size[i]]) == set(found) - {i}
+
+
 @pytest.mark.parametrize("seed", [3, 8, 32, 72])
 def test_lists_are_whole_whatever_room_they_begin_with(taichi, seed):
     """Where a page is just filled, also by a list that needs no padding, and where it lacks an entry."""
