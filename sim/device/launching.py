@@ -29,6 +29,17 @@ class Packed:
     alive: tuple[weakref.ref, ...]
 
 
+@dataclass(frozen=True)
+class Signature:
+    """Kinds of a kernel's arguments, and where those are that have to be the same for a call to be launched again:
+    the same arrays and packs, and equal values and matrices."""
+
+    kinds: tuple[int, ...]
+    held: tuple[int, ...]
+    equal: tuple[int, ...]
+    matrices: tuple[int, ...]
+
+
 _packed: dict[tuple, Packed] = {}
 _seen: set[tuple] = set()
 
@@ -48,9 +59,10 @@ def install() -> None:
     call = Kernel.__call__
 
     @functools.wraps(call)
-    def launched(kernel: Any, *args: object, **options: object) -> object:
-        key = None if options else _key(kernel, args)
-        if key is None:
+    def launched(kernel: Any, *args: Any, **options: object) -> object:
+        signature = None if options else _signature(kernel)
+        key = _key(kernel, signature, args) if signature else None
+        if signature is None or key is None:
             return call(kernel, *args, **options)
         packed = _packed.get(key)
         if packed is not None:
@@ -59,10 +71,11 @@ def install() -> None:
             packed.launch()
             return packed.told()
         found = call(kernel, *args)
-        if key in _seen:
-            _keep(key, _pack(kernel, args, key))
-        elif len(_seen) < MOST:
-            _seen.add(key)
+        if key not in _seen:
+            if len(_seen) < MOST:
+                _seen.add(key)
+        elif _stays(signature, args):
+            _keep(key, _pack(kernel, signature, args, key))
         return found
 
     Kernel.__call__ = launched
@@ -75,28 +88,30 @@ def _keep(key: tuple, packed: Packed) -> None:
     _packed[key] = packed
 
 
-def _key(kernel: Any, args: tuple) -> tuple | None:
+def _key(kernel: Any, signature: Signature, args: tuple) -> tuple | None:
     """What has to be the same for a call to be launched again; None where that cannot be told."""
-    kinds = _kinds(kernel)
-    if kinds is None or len(kinds) != len(args):
+    if len(args) != len(signature.kinds):
         return None
-    found: list[object] = [id(kernel)]
-    for kind, arg in zip(kinds, args, strict=True):
+    held = [id(args[place]) for place in signature.held]
+    equal = [args[place] for place in signature.equal]
+    if not all(isinstance(value, bool | int) for value in equal):
+        return None
+    matrices = [tuple(getattr(args[place], "entries", ())) for place in signature.matrices]
+    return id(kernel), *held, *equal, *matrices
+
+
+def _stays(signature: Signature, args: tuple) -> bool:
+    """Whether what Taichi packs of a call serves another one with the same key."""
+    for kind, arg in zip(signature.kinds, args, strict=True):
         if kind in (ARRAY, PACK):
             if not isinstance(arg, _held()) or not _lies_whole(arg):
-                return None
-            found.append(id(arg))
-        elif kind == TEMPLATE:
-            if not isinstance(arg, bool | int):
-                return None
-            found.append(arg)
+                return False
         elif kind == MATRIX:
             if not hasattr(arg, "entries"):
-                return None
-            found.append(tuple(arg.entries))
-        elif not isinstance(arg, _numbers()):
-            return None
-    return tuple(found)
+                return False
+        elif kind != TEMPLATE and not isinstance(arg, _numbers()):
+            return False
+    return True
 
 
 @functools.cache
@@ -122,35 +137,42 @@ def _lies_whole(arg: Any) -> bool:
 
 
 @functools.cache
-def _kinds(kernel: Any) -> tuple[int, ...] | None:
-    """Of all arguments of a kernel; None where one of them is of another kind, or a pack in which there is a pack."""
+def _signature(kernel: Any) -> Signature | None:
+    """Of a kernel; None where one of its arguments is of another kind, or a pack in which there is a pack."""
+    kinds: list[int] = []
+    for argument in kernel.arguments:
+        kind = _kind(argument.annotation)
+        if kind is None:
+            return None
+        kinds.append(kind)
+    held, equal, matrices = (
+        tuple(place for place, kind in enumerate(kinds) if kind in wanted)
+        for wanted in ((ARRAY, PACK), (TEMPLATE,), (MATRIX,))
+    )
+    return Signature(tuple(kinds), held, equal, matrices)
+
+
+def _kind(needed: Any) -> int | None:
+    """Of an argument that is declared like this."""
     from sim.device.compiler import ti
 
     ArgPackType = ti.lang.argpack.ArgPackType
-    reals, integers = ti.types.primitive_types.real_type_ids, ti.types.primitive_types.integer_type_ids
-    found = []
-    for argument in kernel.arguments:
-        needed = argument.annotation
-        if isinstance(needed, ti.template) or needed is ti.template:
-            found.append(TEMPLATE)
-        elif isinstance(needed, ArgPackType):
-            if any(isinstance(member, ArgPackType) for member in needed.members.values()):
-                return None
-            found.append(PACK)
-        elif isinstance(needed, ti.types.ndarray_type.NdarrayType):
-            found.append(ARRAY)
-        elif isinstance(needed, ti.lang.matrix.MatrixType):
-            found.append(MATRIX)
-        elif id(needed) in reals:
-            found.append(REAL)
-        elif id(needed) in integers:
-            found.append(WHOLE if ti.types.utils.is_signed(needed) else NATURAL)
-        else:
-            return None
-    return tuple(found)
+    if isinstance(needed, ti.template) or needed is ti.template:
+        return TEMPLATE
+    if isinstance(needed, ArgPackType):
+        return None if any(isinstance(member, ArgPackType) for member in needed.members.values()) else PACK
+    if isinstance(needed, ti.types.ndarray_type.NdarrayType):
+        return ARRAY
+    if isinstance(needed, ti.lang.matrix.MatrixType):
+        return MATRIX
+    if id(needed) in ti.types.primitive_types.real_type_ids:
+        return REAL
+    if id(needed) in ti.types.primitive_types.integer_type_ids:
+        return WHOLE if ti.types.utils.is_signed(needed) else NATURAL
+    return None
 
 
-def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
+def _pack(kernel: Any, signature: Signature, args: tuple, key: tuple) -> Packed:
     """What Taichi packs for a call that it has made already (`taichi.lang.kernel_impl.Kernel.launch_kernel`)."""
     from sim.device.compiler import ti
 
@@ -158,7 +180,7 @@ def _pack(kernel: Any, args: tuple, key: tuple) -> Packed:
     compiled = kernel.compiled_kernels[kernel.ensure_compiled(*args)]
     context = compiled.make_launch_context()
     numbers, arrays, alive, place = [], [], [], 0
-    for position, (kind, arg) in enumerate(zip(_kinds(kernel) or (), args, strict=True)):
+    for position, (kind, arg) in enumerate(zip(signature.kinds, args, strict=True)):
         if kind == TEMPLATE:
             continue
         index = (place,)
@@ -202,9 +224,9 @@ def _point(program: Any, context: Any, index: tuple[int, ...], array: Any, neede
 
 def _setter(context: Any, kind: int, index: tuple[int, ...]) -> Callable[[Any], None]:
     if kind == REAL:
-        return lambda value: context.set_arg_float(index, float(value))
+        return lambda value: context.set_arg_float(index, value)
     change = context.set_arg_int if kind == WHOLE else context.set_arg_uint
-    return lambda value: change(index, int(value))
+    return lambda value: change(index, value)
 
 
 def _teller(kernel: Any, context: Any) -> Callable[[], Any]:

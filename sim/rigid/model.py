@@ -143,11 +143,11 @@ class RigidModel(RigidBodies):
 
     def _solve_contacts(self) -> None:
         moved = dict(self.motion.items)
-        sweeps, change = solve_impulses(
+        sweeps, change, capped = solve_impulses(
             self.contacts.count, self.settings, self.dynamic, self.motion, moved, self.contacts.tables
         )
         self.stats["contact_iterations"], self.stats["contact_error"] = sweeps, change
-        self.stats["contacts_capped"] = int(change > self.settings.contact_error)
+        self.stats["contacts_capped"] = int(capped)
 
     def _remember(self, dt: float) -> None:
         count, tables = self.contacts.count, self.contacts.tables
