@@ -8,6 +8,7 @@ same arrays only says what has changed: the numbers.
 from __future__ import annotations
 
 import functools
+import operator
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,11 +32,11 @@ class Packed:
 
 @dataclass(frozen=True)
 class Signature:
-    """Kinds of a kernel's arguments, and where those are that have to be the same for a call to be launched again:
-    the same arrays and packs, and equal values and matrices."""
+    """Kinds of a kernel's arguments, and which have to be the same for a call to be launched again: its arrays and
+    packs, taken from all of them by `held`; and where values and matrices are that have to be equal."""
 
     kinds: tuple[int, ...]
-    held: tuple[int, ...]
+    held: Callable[[tuple], tuple]
     equal: tuple[int, ...]
     matrices: tuple[int, ...]
 
@@ -92,12 +93,13 @@ def _key(kernel: Any, signature: Signature, args: tuple) -> tuple | None:
     """What has to be the same for a call to be launched again; None where that cannot be told."""
     if len(args) != len(signature.kinds):
         return None
-    held = [id(args[place]) for place in signature.held]
+    same = id(kernel), *map(id, signature.held(args))
+    if not signature.equal and not signature.matrices:
+        return same
     equal = [args[place] for place in signature.equal]
     if not all(isinstance(value, bool | int) for value in equal):
         return None
-    matrices = [tuple(getattr(args[place], "entries", ())) for place in signature.matrices]
-    return id(kernel), *held, *equal, *matrices
+    return *same, *equal, *(tuple(getattr(args[place], "entries", ())) for place in signature.matrices)
 
 
 def _stays(signature: Signature, args: tuple) -> bool:
@@ -149,7 +151,14 @@ def _signature(kernel: Any) -> Signature | None:
         tuple(place for place, kind in enumerate(kinds) if kind in wanted)
         for wanted in ((ARRAY, PACK), (TEMPLATE,), (MATRIX,))
     )
-    return Signature(tuple(kinds), held, equal, matrices)
+    return Signature(tuple(kinds), _picker(held), equal, matrices)
+
+
+def _picker(places: tuple[int, ...]) -> Callable[[tuple], tuple]:
+    """What takes those of a tuple that are in these places."""
+    if len(places) > 1:
+        return operator.itemgetter(*places)
+    return lambda args: tuple(args[place] for place in places)
 
 
 def _kind(needed: Any) -> int | None:
@@ -224,15 +233,23 @@ def _point(program: Any, context: Any, index: tuple[int, ...], array: Any, neede
 
 def _setter(context: Any, kind: int, index: tuple[int, ...]) -> Callable[[Any], None]:
     if kind == REAL:
-        return lambda value: context.set_arg_float(index, value)
-    change = context.set_arg_int if kind == WHOLE else context.set_arg_uint
-    return lambda value: change(index, value)
+        return functools.partial(context.set_arg_float, index)
+    return functools.partial(context.set_arg_int if kind == WHOLE else context.set_arg_uint, index)
 
 
 def _teller(kernel: Any, context: Any) -> Callable[[], Any]:
+    """What tells a kernel's return value."""
+    from sim.device.compiler import ti
+
     kinds = kernel.return_type
     if kinds is None:
-        return lambda: None
-    if len(kinds) == 1:
-        return lambda: kernel.construct_kernel_ret(context, kinds[0], (0,))
-    return lambda: [kernel.construct_kernel_ret(context, kind, (i,)) for i, kind in enumerate(kinds)]
+        return _nothing
+    if len(kinds) > 1:
+        return lambda: [kernel.construct_kernel_ret(context, kind, (i,)) for i, kind in enumerate(kinds)]
+    if kinds[0] == ti.i32:
+        return functools.partial(context.get_struct_ret_int, (0,))
+    return functools.partial(kernel.construct_kernel_ret, context, kinds[0], (0,))
+
+
+def _nothing() -> None:
+    """Of a kernel that returns nothing."""

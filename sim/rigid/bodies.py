@@ -85,7 +85,7 @@ class RigidBodies:
             "inverse_inertia": self.inverse_inertia,
         }
         self.motion: Motion = self.moving_as(self.velocity, self.spin, self.momentum)
-        self._properties = BodyProperties(
+        self.properties = BodyProperties(
             dynamic=integers(self.dynamic),
             fluid_driven=self.fluid_driven,
             velocity_lag=self.velocity_lag,
@@ -112,7 +112,7 @@ class RigidBodies:
 
     def _turn(self) -> None:
         """Find angular velocities, to the bit as a step leaves them: the next one depends on them."""
-        free_motion.turn(self.count, self._properties, self.motion)
+        free_motion.turn(self.count, self.properties, self.motion)
 
     @property
     def _kept(self) -> tuple[np.ndarray, ...]:

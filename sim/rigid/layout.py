@@ -61,18 +61,22 @@ Contacts: Any = argpack(
     normal_impulse=Numbers,
     friction_impulse=Vectors,
     normal_mass=Numbers,
+    normal_response=Vectors,
     tangent_mass=Numbers,
     impulse_change=Vectors,
     search_direction=Vectors,
 )
 """Contacts: both bodies, place [m], normal towards the first, what turning adds over the step to the relative velocity
 across, and the least one along the normal [m/s], coefficients of friction while sliding and at rest, impulses along the
-normal and across [N s], and their effective masses [kg]; what the last sweep added to the impulses and the direction in
+normal and across [N s], and their effective masses [kg]; change of the relative velocity by an impulse along the normal
+[1/kg]; what the last sweep added to the impulses and the direction in
 which they go on [N s]."""
 
-PreviousContacts: Any = argpack(first_previous=Integers, previous_place=Vectors, previous_force=Vectors)
-"""Contacts of the step before: of each pair of now where its own begin and end; places in the first bodies' axes, from
-their centres of mass [m], and forces on the first bodies [N]."""
+PreviousContacts: Any = argpack(
+    first_previous=Integers, previous_body=Integers, previous_place=Vectors, previous_force=Vectors
+)
+"""Contacts of the step before: of each pair of now where its own begin and end; both bodies; places in the first
+bodies' axes, from their centres of mass [m], and forces on the first bodies [N]."""
 
 Bounces: Any = argpack(
     restitution=Numbers,

@@ -8,6 +8,7 @@ without gaining speed (contact_table). Where there is cloth, bodies bounce last,
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
@@ -19,7 +20,7 @@ from sim.rigid.bodies import SAVED, RigidBodies, rotations
 from sim.rigid.body import Body, RigidMeasure, RigidState
 from sim.rigid.collision import contact_table
 from sim.rigid.collision.detection import Detection
-from sim.rigid.dynamics import contact_solver, free_motion
+from sim.rigid.dynamics import contact_solver, free_motion, sums
 from sim.rigid.dynamics.contact_impulses import solve_impulses
 from sim.rigid.dynamics.rebounds import Rebounds
 from sim.rigid.dynamics.release import borne_by, wrenches
@@ -37,6 +38,8 @@ PARTING = 2.0
 PARTING_SWEEPS = 50
 PARTING_ERROR = 1e-6
 """In sizes of the smallest body a second."""
+LOWEST = -1e30
+"""No body is lower [m]."""
 
 
 class RigidModel(RigidBodies):
@@ -56,9 +59,12 @@ class RigidModel(RigidBodies):
     ):
         """Under the height `bottom` [m] a body is out of the scene: its speed does not limit the steps of others."""
         super().__init__(bodies, state)
-        self.bottom = bottom
+        self._lowest = max(bottom, LOWEST)
         self.settings = settings
         self.gravity = np.asarray(gravity, dtype=np.float64)
+        self._pull = vec3(*self.gravity), vec3(*self.gravity / max(float(np.linalg.norm(self.gravity)), 1e-300))
+        """Gravity [m/s^2], and its direction."""
+        self._sums = np.zeros(sums.SUMS)
         self.stats: dict[str, float] = {}
         self._drawn = [k for k, body in enumerate(bodies) if body.pulls]
         previous = state.contact_pair, state.contact_place, state.contact_force
@@ -72,6 +78,8 @@ class RigidModel(RigidBodies):
         self._apart = np.zeros((3, self.count, 3))
         self._parting = self.moving_as(*self._apart)
         self._shift = tuple(self._apart[:2])
+        self._least = float(self.size[self.dynamic].min(initial=np.inf))
+        """Size of the smallest body [m]."""
         self._rebounds = Rebounds(self, self.contacts, settings, float(np.linalg.norm(self.gravity)), self._met)
         self.awaits_cloth = False
         """Whether `rebound` is called after each step, with what the cloth did in it."""
@@ -129,22 +137,23 @@ class RigidModel(RigidBodies):
             body = self.bodies[k]
             coming = self.velocity[k] + dt * (self.gravity + body.force / self.mass[k])
             self._force[k] = body.force + self.mass[k] * pulled(body.pulls, self.position[k], coming, dt)
-        packs = self._properties, self._loads, self.motion, self.step_velocities
-        free_motion.accelerate(self.count, dt, vec3(*self.gravity), *packs)
+        packs = self.properties, self._loads, self.motion, self.step_velocities
+        free_motion.accelerate(self.count, dt, self._pull[0], *packs)
         if self.contacts.find(dt):
             gap = self.contacts.tables.gap[: self.contacts.count]
             self.stats["contacts"], self.stats["overlap"] = self.contacts.count, max(-float(gap.min()), 0.0)
-            self._remembered = self.contacts.forces(dt)
+            if self.awaits_cloth:
+                self._remembered = self.contacts.forces(dt)
             self._solve_contacts()
-            self._pressed = self.contacts.forces(dt)
+            if self.awaits_cloth:
+                self._pressed = self.contacts.forces(dt)
         self._began[:] = self.position
         free_motion.move(self.count, dt, *packs)
         self.path_deviation = dt * self.velocity - (self.position - self._began)
 
     def _solve_contacts(self) -> None:
-        moved = dict(self.motion.items)
         sweeps, change, capped = solve_impulses(
-            self.contacts.count, self.settings, self.dynamic, self.motion, moved, self.contacts.tables
+            self.contacts.count, self.settings, self.dynamic, self.motion, self.contacts.tables
         )
         self.stats["contact_iterations"], self.stats["contact_error"] = sweeps, change
         self.stats["contacts_capped"] = int(capped)
@@ -154,12 +163,11 @@ class RigidModel(RigidBodies):
         place, force = tables.new_place, tables.new_force
         force[:count] = 0.0
         contact_table.remember(count, dt, tables.struck, self.motion, tables.pressed, place, force)
-        pairs = self.contacts.pair_of_contact.astype(np.int32)
-        self.contacts.previous = pairs, place[:count].copy(), force[:count].copy()
+        self.contacts.previous = self.contacts.pair_of_contact.copy(), place[:count].copy(), force[:count].copy()
 
     def _part(self, dt: float) -> None:
         tables = self.contacts.tables
-        least = float(self.size[self.dynamic].min())
+        least = self._least
         deep = contact_table.separate(
             self.contacts.count,
             dt,
@@ -176,8 +184,8 @@ class RigidModel(RigidBodies):
         if deep:
             self._apart[:] = 0.0
             count, error = self.contacts.count, PARTING_ERROR * least
-            contact_solver.solve(count, PARTING_SWEEPS, error, self._parting, tables.parting)
-            free_motion.shift(self.count, dt, self._properties, *self._shift, self.motion)
+            contact_solver.solve(count, 0, PARTING_SWEEPS, error, self._parting, tables.parting, tables.outcome)
+            free_motion.shift(self.count, dt, self.properties, *self._shift, self.motion)
 
     def meetings(self, dt: float) -> tuple[np.ndarray, ...] | None:
         """Contacts of the last step, of dt [s], as it left them: pairs of bodies, places [m],
@@ -232,20 +240,17 @@ class RigidModel(RigidBodies):
 
     def measure(self) -> RigidMeasure:
         """Energies [J], speeds and momentum of the bodies that obey forces."""
-        dynamic, reach = self.dynamic, self.contacts.broad_phase.reach[self.dynamic]
-        velocity, spin, mass = self.velocity[dynamic], self.spin[dynamic], self.mass[dynamic]
-        speed, turning = np.linalg.norm(velocity, axis=1), np.linalg.norm(spin, axis=1)
-        highest = reach - self.position[dynamic] @ self.gravity / max(np.linalg.norm(self.gravity), 1e-300)
-        present = highest > self.bottom
-        everything = np.concatenate((self.position[dynamic], self.rotation[dynamic], velocity, spin), axis=1)
+        reach = self.contacts.broad_phase.reach
+        sums.add_up(self.count, *self._pull, self._lowest, reach, self.size, self.properties, self.motion, self._sums)
+        found = self._sums.tolist()
         return RigidMeasure(
-            kinetic_energy=float(0.5 * mass @ speed**2 + 0.5 * (self.momentum[dynamic] * spin).sum()),
-            potential_energy=-float(mass @ (self.position[dynamic] @ self.gravity)),
-            v_max=float((speed + reach * turning).max(initial=0.0)),
-            relative_speed=float((speed / self.size[dynamic])[present].max(initial=0.0)),
-            spin_max=float(turning.max(initial=0.0)),
-            momentum=mass @ velocity,
-            finite=bool(np.isfinite(everything).all()),
+            kinetic_energy=found[sums.KINETIC],
+            potential_energy=found[sums.POTENTIAL],
+            v_max=found[sums.FASTEST],
+            relative_speed=found[sums.RELATIVE],
+            spin_max=found[sums.SPINNING],
+            momentum=self._sums[sums.MOMENTUM : sums.MOMENTUM + 3].copy(),
+            finite=math.isfinite(found[sums.EVERYTHING]),
         )
 
     def step_limits(self, measure: RigidMeasure) -> dict[str, float]:

@@ -168,6 +168,7 @@ class Rigid(Settings):
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.004
     """Longest time step of a scene with dynamic bodies [s]."""
     contact_error: Annotated[Speed, Gt(0)] = 1e-8
-    """Sweeps over the contacts end once none changes a relative velocity by more than this [m/s]."""
+    """Sweeps over the contacts end once none changes a relative velocity by more than this [m/s], or, where contacts
+    contradict one another, by more than 1000 times this for each m/s that contacts change in the step."""
     max_iterations: Annotated[int, Ge(1), Le(100_000)] = 500
     """Maximum number of sweeps in a step; steps that would need more are counted and reported."""

@@ -77,6 +77,8 @@ class ContactTables:
         )
         self.found = Found(at=_rows(most), out=_rows(most), apart=np.zeros(most), bend=np.zeros(most))
         self.margin = np.zeros(room)
+        self.outcome = np.zeros(2)
+        """Of the sweeps over contacts: how many, and what the last one changed [m/s]."""
         self.gap, self.allowed_overlap = np.zeros(most), np.zeros(most)
         self.new_place, self.new_force = _rows(most), _rows(most)
         self.struck, self.target_velocity = integers(np.zeros(most)), np.zeros(most)
@@ -85,7 +87,8 @@ class ContactTables:
             **{name: np.zeros(most) for name in names}, struck=self.struck, target_velocity=self.target_velocity
         )
         numbers_of = ("limit", "kinetic_friction", "static_friction", "normal_impulse", "normal_mass", "tangent_mass")
-        vectors_of = ("place", "normal", "arc_velocity", "friction_impulse", "impulse_change", "search_direction")
+        vectors_of = ("place", "normal", "arc_velocity", "friction_impulse", "normal_response")
+        vectors_of += ("impulse_change", "search_direction")
         self.table = {name: np.zeros(most) for name in numbers_of} | {name: _rows(most) for name in vectors_of}
         self.table["body"] = integers(np.zeros(2 * most))
         self.pressed = Contacts(**self.table)
@@ -101,32 +104,20 @@ class ContactTables:
         self._previous_room = room
         self.previous = PreviousContacts(
             first_previous=integers(np.zeros(2 * self.room)),
+            previous_body=integers(np.zeros(2 * room)),
             previous_place=_rows(room),
             previous_force=_rows(room),
         )
 
-    def list_pairs(self, pairs: np.ndarray, surface: np.ndarray, scale: np.ndarray, margin: np.ndarray) -> None:
-        """Take n pairs of bodies, shape [n, 2], what their surfaces are to each other, [n, 3], the sizes of the
-        smaller bodies [m], [n], and how far off contacts are looked for [m], [n]."""
-        self.near.pair_body[: pairs.size] = pairs.ravel()
-        self.near.surface[: surface.size] = surface.ravel()
-        self.near.scale[: len(scale)] = scale
-        self.margin[: len(margin)] = margin
-
-    def number_contacts(self, pairs: int) -> np.ndarray:
-        """Let the contacts found of so many pairs follow one another; returns how many each has, shape [pairs]."""
-        number = self.near.number[:pairs]
-        self.near.first[:pairs] = np.cumsum(number) - number
-        return number
-
-    def list_previous(self, ranges: np.ndarray, place: np.ndarray, force: np.ndarray) -> None:
-        """Take contacts of the step before: where those of each pair begin and end, shape [n, 2]; places [m] and forces
-        [N], shape [m, 3]."""
-        if len(place) > self._previous_room:
-            self._make_room_for_previous(2 * len(place))
-        self.previous.first_previous[: ranges.size] = ranges.ravel()
-        self.previous.previous_place[: len(place)] = place
-        self.previous.previous_force[: len(place)] = force
+    def list_previous(self, pairs: np.ndarray, place: np.ndarray, force: np.ndarray) -> None:
+        """Take contacts of the step before: pairs of bodies, shape [n, 2], in order; places [m] and forces [N], shape
+        [n, 3]."""
+        count = len(place)
+        if count > self._previous_room:
+            self._make_room_for_previous(2 * count)
+        self.previous.previous_body[: 2 * count] = pairs.ravel()
+        self.previous.previous_place[:count] = place
+        self.previous.previous_force[:count] = force
 
     def members(self, count: int) -> dict[str, np.ndarray]:
         """The members of `pressed`, of the first `count` contacts."""

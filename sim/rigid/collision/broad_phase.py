@@ -9,6 +9,10 @@ import numpy as np
 from sim.geometry.distance.sdf import PLANE
 from sim.neighbors.sweep_and_prune import near_pairs, near_planes
 from sim.rigid.body import Body
+from sim.rigid.collision.all_pairs import Boxes
+
+SKIN = 1e-3
+"""Contacts are followed from this share of the smaller body's size on, beyond what bodies go in a step."""
 
 
 class BroadPhase:
@@ -28,6 +32,19 @@ class BroadPhase:
         self.reach[: len(solids)] = np.linalg.norm(np.abs(bounds).max(axis=1), axis=1)
         self._normals = np.array([body.shape.turn[:, 1] for body in planes]).reshape(-1, 3)
         self._offsets = np.array([body.shape.turn[:, 1] @ body.shape.origin for body in planes])
+        self.skin = SKIN * np.array([body.size for body in bodies])
+        """How far off contacts are followed, beyond what bodies go in a step [m]."""
+        self.boxes = Boxes(
+            own_middle=_some(self._middle),
+            own_half=_some(self._half),
+            farthest=self.reach,
+            skin=self.skin,
+            plane_normal=_some(self._normals),
+            plane_offset=_some(self._offsets),
+            box_middle=np.zeros((len(bodies), 3)),
+            box_half=np.zeros((len(bodies), 3)),
+            step_way=np.zeros(len(bodies)),
+        )
 
     def near(self, position: np.ndarray, turn: np.ndarray, reach: np.ndarray | float) -> np.ndarray:
         """Pairs of bodies, one of them dynamic, whose boxes would overlap if larger by `reach` [m] all around.
@@ -41,3 +58,8 @@ class BroadPhase:
         walls = near_planes(middle, half, self._dynamic, self._normals, self._offsets)
         walls[:, 1] += self.solids
         return np.concatenate((pairs, walls))
+
+
+def _some(values: np.ndarray) -> np.ndarray:
+    """As they are, or a row of zeros where there are none: kernels take no empty arrays."""
+    return values if len(values) else np.zeros((1, *values.shape[1:]))

@@ -14,17 +14,37 @@ NEAR = 0.3
 @ti.kernel
 def gather(
     pairs: ti.i32,
+    before: ti.i32,
     dt: ti.f64,
+    allowed: ti.f64,
     near: Pairs,
     found: Found,
     previous: PreviousContacts,
     motion: Motion,
     contacts: Contacts,
     gap: Numbers,
+    allowed_overlap: Numbers,
     bounces: Bounces,
-):
-    """Bring the contacts of pair k, `number[k]` of them, to `first[k]` and after, with the impulses of those of the
-    step before that they go on from."""
+) -> ti.i32:
+    """Bring the contacts of pair k, `number[k]` of them, to `first[k]` and after, with the impulses of those `before`,
+    in the last step, that they go on from; returns how many there are.
+
+    allowed: overlap that is left alone, as a share of the smaller body.
+    """
+    total = 0
+    ti.loop_config(serialize=True)
+    for _ in range(1):
+        old = 0
+        for k in range(pairs):
+            a, b = near.pair_body[2 * k], near.pair_body[2 * k + 1]
+            near.first[k] = total
+            total += near.number[k]
+            while old < before and _comes_first(previous, old, a, b):
+                old += 1
+            previous.first_previous[2 * k] = old
+            while old < before and previous.previous_body[2 * old] == a and previous.previous_body[2 * old + 1] == b:
+                old += 1
+            previous.first_previous[2 * k + 1] = old
     for k in range(pairs):
         a, b = near.pair_body[2 * k], near.pair_body[2 * k + 1]
         back = rotation_of(motion.rotation[a]).transpose()
@@ -37,6 +57,7 @@ def gather(
             here, n = found.at[source], found.out[source]
             contacts.place[c], contacts.normal[c] = here, n
             gap[c] = found.apart[source]
+            allowed_overlap[c] = allowed * near.scale[k]
             contacts.limit[c] = -dt * found.bend[source]
             if gap[c] > CLOSED * near.scale[k]:
                 contacts.limit[c] -= (gap[c] - 0.5 * CLOSED * near.scale[k]) / dt
@@ -52,6 +73,14 @@ def gather(
                     nearest, last_force = away, previous.previous_force[old]
             contacts.normal_impulse[c] = dt * ti.max(last_force.dot(n), 0.0)
             contacts.friction_impulse[c] = dt * (last_force - n * last_force.dot(n))
+    return total
+
+
+@ti.func
+def _comes_first(previous: ti.template(), old: ti.i32, a: ti.i32, b: ti.i32) -> ti.i32:
+    """Whether the pair of a contact of the step before is listed before that of a and b."""
+    one, other = previous.previous_body[2 * old], previous.previous_body[2 * old + 1]
+    return one < a or (one == a and other < b)
 
 
 @ti.func

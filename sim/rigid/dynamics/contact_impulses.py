@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from sim.rigid.collision.arrays import ContactTables
@@ -21,10 +19,10 @@ SLOW = 4
 some come nearer yet."""
 TRIES = 2
 """Times that contacts may be solved at once."""
-SLIGHT = 1e-5
-"""Where sweeps come no nearer, changes are let be that are less than this share of the greatest that a contact has made
-of a velocity in the step. The corners of a face that turns contradict one another by so much, and sweeps would only
-shift impulses between them."""
+LENIENT = 1e3
+"""Where sweeps come no nearer, so many times the error that is asked for may be left, for each m/s by which a contact
+has changed a velocity in the step. The corners of a face that turns contradict one another by so much, and sweeps would
+only shift impulses between them."""
 
 
 def solve_impulses(
@@ -32,33 +30,29 @@ def solve_impulses(
     settings: Rigid,
     dynamic: np.ndarray,
     motion: Motion,
-    arrays: Mapping[str, np.ndarray],
     tables: ContactTables,
 ) -> tuple[int, float, bool]:
     """Change velocities as the laws of contacts ask for; returns sweeps, what the last one changed [m/s], and whether
-    that is more than may be left.
-
-    arrays: the members of `motion`.
-    """
+    that is more than may be left."""
     cap, error, contacts = settings.max_iterations, settings.contact_error, tables.pressed
-    contact_solver.weigh(count, motion, contacts)
     sweeps, change, slow, tries = 0, np.inf, 0, 0
     while sweeps < cap and change > error:
         before = change
-        more, change = contact_solver.solve(count, min(BATCH, cap - sweeps), error, motion, contacts)
+        contact_solver.solve(count, int(sweeps == 0), min(BATCH, cap - sweeps), error, motion, contacts, tables.outcome)
+        more, change = tables.outcome.tolist()
         sweeps += int(more)
         if change <= max(error, PROGRESS * before):
             continue
-        enough = max(error, SLIGHT * _exchanged(count, tables))
+        enough = max(error, LENIENT * error * _exchanged(count, tables))
         if change <= enough:
-            return sweeps, float(change), False
+            return sweeps, change, False
         slow += 1
         if sweeps < cap and slow % SLOW == 0 and tries < TRIES:
             tries += 1
-            found = settle_at_once(tables.members(count), arrays, dynamic, change, enough)
+            found = settle_at_once(tables.members(count), dict(motion.items), dynamic, change, enough)
             if found is not None:
                 contact_solver.replace(count, motion, contacts, *found)
-    return sweeps, float(change), change > error
+    return sweeps, change, change > error
 
 
 def _exchanged(count: int, tables: ContactTables) -> float:

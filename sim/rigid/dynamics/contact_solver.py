@@ -9,7 +9,7 @@ impulses go on along a conjugate direction, without which a heavy body on a ligh
 """
 
 from sim.device.compiler import ti
-from sim.device.double import Numbers, Vectors, cross_matrix, mat3, vec2, vec3
+from sim.device.double import Numbers, Vectors, cross_matrix, mat3, vec3
 from sim.rigid.layout import Contacts, Motion
 
 
@@ -54,35 +54,24 @@ def strike(motion: ti.template(), contacts: ti.template(), c: ti.i32, impulse: v
 
 
 @ti.kernel
-def weigh(count: ti.i32, motion: Motion, contacts: Contacts):
-    """Find effective masses, and apply the impulses that are there already."""
-    for c in range(count):
-        at, n = contacts.place[c], contacts.normal[c]
-        mobility = _mobility(motion, contacts.body[2 * c], at) + _mobility(motion, contacts.body[2 * c + 1], at)
-        contacts.normal_mass[c] = 1.0 / n.dot(mobility @ n)
-        # The greatest mobility across: of a smaller one, friction would point elsewhere than against sliding.
-        u = n.cross(vec3(1.0, 0.0, 0.0) if abs(n[0]) < 0.5 else vec3(0.0, 1.0, 0.0)).normalized()
-        v = n.cross(u)
-        uu, uv, vv = u.dot(mobility @ u), u.dot(mobility @ v), v.dot(mobility @ v)
-        half = 0.5 * (uu - vv)
-        contacts.tangent_mass[c] = 1.0 / (0.5 * (uu + vv) + ti.sqrt(half * half + uv * uv))
-        contacts.friction_impulse[c] -= n * n.dot(contacts.friction_impulse[c])
-    ti.loop_config(serialize=True)
-    for c in range(count):
-        strike(motion, contacts, c, contacts.normal_impulse[c] * contacts.normal[c] + contacts.friction_impulse[c])
-
-
-@ti.kernel
-def solve(count: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: Contacts) -> vec2:
+def solve(
+    count: ti.i32, begin: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: Contacts, outcome: Numbers
+):
     """Sweep at most `most` times, until no relative velocity changes by more than `error` [m/s].
 
-    Returns the number of sweeps and the greatest change in the last [m/s].
+    begin: 1 to find effective masses first, and to apply the impulses that are there already. Written: the number of
+    sweeps and the greatest change in the last [m/s].
     """
-    sweeps, change = 0, ti.cast(0.0, ti.f64)
+    if begin == 1:
+        for c in range(count):
+            _weigh(motion, contacts, c)
     ti.loop_config(serialize=True)
     for _ in range(1):
-        last = ti.cast(0.0, ti.f64)
-        change = error + 1.0
+        if begin == 1:
+            for c in range(count):
+                pressing = contacts.normal_impulse[c] * contacts.normal[c]
+                strike(motion, contacts, c, pressing + contacts.friction_impulse[c])
+        sweeps, last, change = 0, ti.cast(0.0, ti.f64), error + 1.0
         while sweeps < most and change > error:
             if sweeps == 1:
                 for c in range(count):
@@ -94,7 +83,23 @@ def solve(count: ti.i32, most: ti.i32, error: ti.f64, motion: Motion, contacts: 
             for c in range(count):
                 change = ti.max(change, _settle(motion, contacts, c))
             sweeps += 1
-    return vec2(ti.cast(sweeps, ti.f64), change)
+        outcome[0], outcome[1] = sweeps, change
+
+
+@ti.func
+def _weigh(motion: ti.template(), contacts: ti.template(), c: ti.i32):
+    """Find the effective masses of a contact, and its response."""
+    at, n = contacts.place[c], contacts.normal[c]
+    mobility = _mobility(motion, contacts.body[2 * c], at) + _mobility(motion, contacts.body[2 * c + 1], at)
+    contacts.normal_response[c] = mobility @ n
+    contacts.normal_mass[c] = 1.0 / n.dot(contacts.normal_response[c])
+    # The greatest mobility across: of a smaller one, friction would point elsewhere than against sliding.
+    u = n.cross(vec3(1.0, 0.0, 0.0) if abs(n[0]) < 0.5 else vec3(0.0, 1.0, 0.0)).normalized()
+    v = n.cross(u)
+    uu, uv, vv = u.dot(mobility @ u), u.dot(mobility @ v), v.dot(mobility @ v)
+    half = 0.5 * (uu - vv)
+    contacts.tangent_mass[c] = 1.0 / (0.5 * (uu + vv) + ti.sqrt(half * half + uv * uv))
+    contacts.friction_impulse[c] -= n * n.dot(contacts.friction_impulse[c])
 
 
 @ti.kernel
@@ -136,24 +141,24 @@ def _go_on(count: ti.i32, motion: ti.template(), contacts: ti.template(), last: 
 @ti.func
 def _settle(motion: ti.template(), contacts: ti.template(), c: ti.i32) -> ti.f64:
     """Change the impulses of one contact to what its own laws ask for; returns by how much its velocity changes."""
-    n = contacts.normal[c]
-    missing = contacts.limit[c] - n.dot(relative_velocity(motion, contacts, c))
-    push = ti.max(contacts.normal_impulse[c] + contacts.normal_mass[c] * missing, 0.0)
+    n, velocity = contacts.normal[c], relative_velocity(motion, contacts, c)
+    push = ti.max(contacts.normal_impulse[c] + contacts.normal_mass[c] * (contacts.limit[c] - n.dot(velocity)), 0.0)
     more = push - contacts.normal_impulse[c]
     contacts.normal_impulse[c] = push
-    strike(motion, contacts, c, more * n)
-    change = abs(more) / contacts.normal_mass[c]
+    impulse, change = more * n, abs(more) / contacts.normal_mass[c]
 
     drag = contacts.friction_impulse[c]
     if push > 0.0 or drag.norm_sqr() > 0.0:
-        sliding = relative_velocity(motion, contacts, c) + contacts.arc_velocity[c]
+        sliding = velocity + more * contacts.normal_response[c] + contacts.arc_velocity[c]
         sliding -= n * n.dot(sliding)
         wanted = drag - contacts.tangent_mass[c] * sliding
         length = wanted.norm()
         if length > contacts.static_friction[c] * push:
             wanted *= ti.min(contacts.kinetic_friction[c] * push / length, 1.0)
         contacts.friction_impulse[c] = wanted
-        strike(motion, contacts, c, wanted - drag)
+        impulse += wanted - drag
         change = ti.max(change, (wanted - drag).norm() / contacts.tangent_mass[c])
-    contacts.impulse_change[c] = more * n + contacts.friction_impulse[c] - drag
+    contacts.impulse_change[c] = impulse
+    if change > 0.0:
+        strike(motion, contacts, c, impulse)
     return change

@@ -70,7 +70,8 @@ class Rebounds:
 
     def _solve(self) -> None:
         most, error = self.settings.max_iterations, self.settings.contact_error
-        contact_solver.solve(self.contacts.count, most, error, self.bodies.motion, self.contacts.tables.bouncing)
+        tables = self.contacts.tables
+        contact_solver.solve(self.contacts.count, 0, most, error, self.bodies.motion, tables.bouncing, tables.outcome)
 
     def _give_back_no_more_than_was_taken(self) -> None:
         """Find by bisection how much less the bodies of each group bounce that have gained energy."""
