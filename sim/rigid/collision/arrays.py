@@ -87,9 +87,9 @@ class ContactTables:
             **{name: np.zeros(most) for name in names}, struck=self.struck, target_velocity=self.target_velocity
         )
         numbers_of = ("limit", "kinetic_friction", "static_friction", "normal_impulse", "normal_mass", "tangent_mass")
-        vectors_of = ("place", "normal", "arc_velocity", "friction_impulse", "normal_response")
-        vectors_of += ("impulse_change", "search_direction")
+        vectors_of = ("place", "normal", "arc_velocity", "friction_impulse", "normal_response", "impulse_change")
         self.table = {name: np.zeros(most) for name in numbers_of} | {name: _rows(most) for name in vectors_of}
+        self.table["search_direction"] = _rows(most)
         self.table["body"] = integers(np.zeros(2 * most))
         self.pressed = Contacts(**self.table)
         self.bouncing = Contacts(**(self.table | {"limit": self.target_velocity}))
