@@ -9,7 +9,7 @@ import os
 import sys
 
 from common.registry import packages
-from sim.device import compilation, kernel_cache, launching, serial_loops, summation
+from sim.device import compilation, host_copies, kernel_cache, launching, serial_loops, summation
 from sim.device.affinity import bound
 
 _running: tuple[str, int, bool] | None = None
@@ -69,6 +69,7 @@ def start(*, threads: int | None = None, arch: str = "auto", serial: bool = Fals
                 summation.keep_order()
                 if compiler.relaunch:
                     launching.install()
+                    host_copies.install()
             _running = wanted
     return device
 

@@ -56,7 +56,8 @@ class Meter:
 
     def __init__(self, spec: Fluid, gravity: np.ndarray):
         h = spec.support_radius
-        self._gravity, self._rest_density = gravity, spec.rest_density
+        self._gravity, self._rest_density = vec3(*gravity), spec.rest_density
+        self._fall = float(np.linalg.norm(gravity))
         self._mass = particle_mass(spec.spacing, h, spec.rest_density)
         self._alone = 1.0 - self._mass * float(cubic_host(np.zeros(1), h)[0]) / spec.rest_density
         """What solids add to a particle alone at rest, over the rest density."""
@@ -85,7 +86,7 @@ class Meter:
             walls,
             fluid,
             self._alone,
-            vec3(*self._gravity),
+            self._gravity,
             distance,
             speed_limit,
             level,
@@ -109,7 +110,7 @@ class Meter:
             fallen=int(total[15]),
             crowding_max=float(peak[16]),
             pressure_max=self._rest_density * min(self._rest_density * float(peak[17]), 0.5 * speed_limit**2),
-            height=_height(total[18:21], float(np.linalg.norm(self._gravity))),
+            height=_height(total[18:21], self._fall),
         )
 
 

@@ -37,6 +37,8 @@ class Incompressible(PressureSolver):
 
     def __init__(self, system: FluidSystem, fastest_signal: float):
         self.system = system
+        self._gravity = vec3(*system.gravity)
+        self._fall_limit = fall_limit(0.5 * system.h, float(np.linalg.norm(system.gravity)))
         self.momentum = Momentum(system, pressure=False, friction_known=self.FINDS_FRICTION)
         self.smoothing = VelocitySmoothing(system)
 
@@ -51,7 +53,7 @@ class Incompressible(PressureSolver):
         return {
             "signal": displacement_limit(cfl * half, measure.pace + self.system.boundary.speed),
             "pressure": pressure_limit(half, cfl, measure.pressure_max, self.system.spec.rest_density),
-            "force": fall_limit(half, float(np.linalg.norm(self.system.gravity))),
+            "force": self._fall_limit,
         } | self.momentum.step_limits()
 
     @property
@@ -101,7 +103,7 @@ class Incompressible(PressureSolver):
         if system.bodies:
             stats |= system.bodies.commit(dt)
             system.boundary.move()
-        _move(system.count, dt, vec3(*system.gravity), particles.position, particles.velocity, particles.before)
+        _move(system.count, dt, self._gravity, particles.position, particles.velocity, particles.before)
         _tell(stats, self.separate(dt))
         if system.bodies:
             system.bodies.prevent_penetration(dt)
