@@ -92,7 +92,7 @@ class Room:
         surface = trimesh.Trimesh(places, item.fabric.triangles, process=False)
         distance = MeshDistance(surface)
         rows = rows[distance.within(points[rows], reach)]
-        foot, width, face = distance.closest(points[rows], sure=False)
+        foot, width, face = distance.closest(points[rows])
         away = (points[rows] - foot) / np.maximum(width, 1e-300)[:, None]
         on = width < 1e-9 * reach
         away[on] = surface.face_normals[face[on]]

@@ -42,10 +42,6 @@ class Motion:
         )
 
 
-FEW = 5_000
-"""Points that stand for a surface: foam may begin anywhere inside, as far from many of them as from one."""
-
-
 class Body:
     """The inside of a closed mesh, whose vertices [m] are relative to its motion's position."""
 
@@ -61,7 +57,7 @@ class Body:
 
     @cached_property
     def _surface(self) -> MeshDistance:
-        return MeshDistance(self._solid.surface, cover_points=FEW)
+        return MeshDistance(self._solid.surface)
 
     def nearest(self, points: np.ndarray) -> np.ndarray:
         """The points of the surface [m] next to points [m]; shape [n, 3]."""

@@ -164,7 +164,7 @@ def _repaired(mesh: trimesh.Trimesh, name: str, close: str) -> tuple[trimesh.Tri
         arguments={"name": name, "close": close},
         arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
         sources=_mending_sources(),
-        packages=("numpy", "scipy", "pymeshfix", "manifold3d"),
+        packages=("libigl", "manifold3d", "numpy", "pymeshfix", "scipy"),
     )
     fields = json.loads(stored["report"].tobytes())
     fields["bounds"] = tuple(map(tuple, fields["bounds"]))
@@ -197,7 +197,7 @@ def _shell(mesh: trimesh.Trimesh, thickness: float, name: str) -> trimesh.Trimes
         arguments={"thickness": thickness},
         arrays=[np.asarray(mesh.vertices), np.asarray(mesh.faces)],
         sources=_mending_sources(),
-        packages=("numpy", "scipy", "pymeshfix", "manifold3d"),
+        packages=("libigl", "manifold3d", "numpy", "pymeshfix", "scipy"),
     )
     return trimesh.Trimesh(stored["vertices"], stored["faces"], process=False)
 

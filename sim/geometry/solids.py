@@ -79,8 +79,7 @@ class Solid(ABC):
         [n] and [n, 3].
 
         Where the gradient jumps, as on a ridge, it is that of one side or a mean of both. A mesh looks no further than
-        `reach` [m]: points beyond are infinitely far, and their gradient is 0; and it looks quickly, see
-        `MeshDistance.closest`.
+        `reach` [m]: points beyond are infinitely far, and their gradient is 0.
         """
         step = 1e-6 * float(np.ptp(self.bounds, axis=0).max())
         corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
@@ -179,7 +178,7 @@ class MeshSolid(Solid):
         sign = np.where(self.contains(points), -1.0, 1.0)
         distance, slope = np.full(len(points), np.inf), np.zeros((len(points), 3))
         near = self._distance.within(points, reach)
-        foot, distance[near], face = self._distance.closest(points[near], sure=False)
+        foot, distance[near], face = self._distance.closest(points[near])
         # On the surface the way from its nearest point says nothing.
         on = distance[near] < 1e-9 * float(np.ptp(self.bounds, axis=0).max())
         away = sign[near, None] * (points[near] - foot) / np.maximum(distance[near], 1e-300)[:, None]

@@ -132,7 +132,9 @@ class Plan:
             frames=frames,
             spec=spec.canonical(),
             code=self._code("simulate", spec.materials()),
-            versions=versions(compiler, "numpy", *(("trimesh", "pymeshfix", "manifold3d") if _files(spec) else ())),
+            versions=versions(
+                compiler, "numpy", *(("libigl", "manifold3d", "pymeshfix", "trimesh") if _files(spec) else ())
+            ),
             assets=_assets(self.scene.assets, _files(spec)),
             upstream=upstream,
         )

@@ -52,7 +52,7 @@ def narrow_band(mesh: trimesh.Trimesh, cell: float, reach: float) -> NarrowBand:
         arguments={"cell": cell, "reach": reach},
         arrays=[vertices, faces],
         sources=[__file__, closest_points.__file__, winding.__file__],
-        packages=("numpy", "scipy", "trimesh"),
+        packages=("libigl", "numpy", "scipy", "trimesh"),
     )
     return NarrowBand(stored["low"], cell, stored["table"], stored["nodes"], stored["curvature"])
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 # Points at which a surface is compared with the other.
 _POINTS = 2_000
-# Points that stand for the other in the search.
-_COVER = 20_000
 # Share of the size below which the two are in one place.
 _APART = 1e-5
 # Faces of each kind that a picture shows at most.
@@ -36,7 +34,7 @@ def missing(mesh: trimesh.Trimesh, other: trimesh.Trimesh) -> np.ndarray:
     found = np.zeros(len(corners))
     if len(rest):
         points, face, _ = cover(corners[rest], _POINTS)
-        distance, away = MeshDistance(other, cover_points=_COVER), np.ones(len(points), dtype=bool)
+        distance, away = MeshDistance(other), np.ones(len(points), dtype=bool)
         near = distance.within(points, apart)
         away[near] = distance.unsigned(points[near]) > apart
         found[rest] = area[rest] * np.bincount(face, weights=away) / np.bincount(face)

@@ -154,7 +154,7 @@ def _mesh_shape(solid: Solid, hollow: bool) -> ContactShape:
         arguments={"cell": cell, "rim": RIM},
         arrays=[local, faces],
         sources=[__file__, *(str(used.__file__) for used in (closest_points, edges, normal_cones, thinning, winding))],
-        packages=("numpy", "scipy", "trimesh"),
+        packages=("libigl", "numpy", "scipy", "trimesh"),
     )
     features = Features()
     out = np.array([-1, -1, -1, 1]) if hollow else np.ones(4)
