@@ -23,8 +23,7 @@ def arrays(taichi):
 
 
 def test_what_is_written_is_read_back_as_by_kernels(taichi):
-    from taichi import _kernels
-
+    kernels = taichi._kernels
     for array, shape, kind in arrays(taichi):
         values = np.arange(np.prod(shape)).reshape(shape).astype(kind)
         array.from_numpy(values)
@@ -32,9 +31,9 @@ def test_what_is_written_is_read_back_as_by_kernels(taichi):
         assert copy.dtype == kind and copy.tolist() == values.tolist()
         by_kernel = np.zeros(shape, kind)
         if len(array.element_shape):
-            _kernels.ndarray_matrix_to_ext_arr(array, by_kernel, 1, int(len(array.element_shape) == 1))
+            kernels.ndarray_matrix_to_ext_arr(array, by_kernel, 1, int(len(array.element_shape) == 1))
         else:
-            _kernels.ndarray_to_ext_arr(array, by_kernel)
+            kernels.ndarray_to_ext_arr(array, by_kernel)
         assert by_kernel.tolist() == values.tolist()
 
 
