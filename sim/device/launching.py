@@ -17,7 +17,7 @@ from typing import Any
 TEMPLATE, REAL, WHOLE, NATURAL, ARRAY, PACK, MATRIX = range(7)
 """Kinds of arguments."""
 MOST = 4096
-"""Calls that are kept; beyond it all are forgotten."""
+"""Calls that are kept, and as many that were made once; beyond it all are forgotten."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,9 @@ def install() -> None:
             return packed.told()
         found = call(kernel, *args)
         if key not in _seen:
-            if len(_seen) < MOST:
-                _seen.add(key)
+            if len(_seen) >= MOST:
+                _seen.clear()
+            _seen.add(key)
         elif _stays(signature, args):
             _keep(key, _pack(kernel, signature, args, key))
         return found

@@ -75,3 +75,14 @@ def test_an_array_that_does_not_lie_whole_is_packed_by_taichi(arrays, add):
     for _ in range(3):
         with pytest.raises(ValueError, match="contiguous"):
             add(False, 1.0, (0, 0, 0), table, pack)
+
+
+def test_calls_are_kept_however_many_others_were_made_once(taichi, arrays, add, kept, monkeypatch):
+    monkeypatch.setattr("sim.device.launching.MOST", 8)
+    pack, tables = arrays(), [np.zeros(COUNT) for _ in range(20)]
+    for table in tables:
+        add(False, 1.0, (0, 0, 0), table, pack)
+    before = kept()
+    for _ in range(3):
+        add(False, 1.0, (0, 0, 0), tables[-1], pack)
+    assert kept() == before + 1
