@@ -2,15 +2,43 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
+from collections.abc import Iterator
 
 import pytest
 
 from sim.device.affinity import bound
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="threads cannot be bound here")
-ALL = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+
+
+@contextlib.contextmanager
+def freed() -> Iterator[list[int]]:
+    """Use all processors: a worker of pytest-xdist has one (tests/conftest.py)."""
+    own = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    try:
+        yield sorted(os.sched_getaffinity(0))
+    finally:
+        os.sched_setaffinity(0, own)
+
+
+def processors() -> list[int]:
+    if not hasattr(os, "sched_getaffinity"):
+        return []
+    with freed() as found:
+        return found
+
+
+ALL = processors()
+
+
+@pytest.fixture(autouse=True)
+def free():
+    with freed():
+        yield
 
 
 def affinities(threads: int) -> list[set[int]]:
