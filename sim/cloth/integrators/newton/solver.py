@@ -152,8 +152,8 @@ class Newton:
         first, *sums = linear_system.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
         # Without gravity, what would count as a change.
         least = (self._weight or self.settings.velocity_error / dt) ** 2
-        cloth = sums[0] / max(sums[1], self._mass * least)
-        solid = sums[2] / max(sums[3], bodies.mass.min() * least) if bodies.count else 0.0
+        cloth = _share(sums[0], max(sums[1], self._mass * least))
+        solid = _share(sums[2], max(sums[3], bodies.mass.min() * least)) if bodies.count else 0.0
         return first, max(cloth, solid)
 
     def _solve(self, enough: float, reach: float, *, linear: bool = False) -> tuple[int, bool]:
@@ -218,3 +218,8 @@ class Newton:
         n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
         own = n * (3 * 11 + 9 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + self._pattern.pairs * 18
         return 8 * own
+
+
+def _share(part: float, whole: float) -> float:
+    """Of nothing, none: where all points are held."""
+    return part / whole if whole != 0.0 else 0.0
