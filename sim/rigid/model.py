@@ -167,13 +167,12 @@ class RigidModel(RigidBodies):
 
     def _part(self, dt: float) -> None:
         tables = self.contacts.tables
-        least = self._least
         deep = contact_table.separate(
             self.contacts.count,
             dt,
             tables.allowed_overlap,
             SHARE,
-            PARTING * least,
+            PARTING * self._least,
             tables.gap,
             self._met,
             tables.pressed,
@@ -183,7 +182,7 @@ class RigidModel(RigidBodies):
         )
         if deep:
             self._apart[:] = 0.0
-            count, error = self.contacts.count, PARTING_ERROR * least
+            count, error = self.contacts.count, PARTING_ERROR * self._least
             contact_solver.solve(count, 0, PARTING_SWEEPS, error, self._parting, tables.parting, tables.outcome)
             free_motion.shift(self.count, dt, self.properties, *self._shift, self.motion)
 
