@@ -28,8 +28,13 @@ class MeshDistance:
         self._tree.init(self._vertices, self._faces)
 
     def closest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Closest points of the surface [m], shape [n, 3], distances [m], shape [n], and faces, shape [n]."""
+        """Closest points of the surface [m], shape [n, 3], distances [m], shape [n], and faces, shape [n].
+
+        Raises ValueError for points that are not finite: libigl would name the origin.
+        """
         points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+        if not np.isfinite(points).all():
+            raise ValueError("points have to be finite")
         squared, face, foot = self._tree.squared_distance(self._vertices, self._faces, points)
         return foot.reshape(-1, 3), np.sqrt(squared), face
 
