@@ -19,7 +19,7 @@ FRAME = 0.001**0.5
 
 def lattice(cells: int, size: float, height: float) -> bpy.types.Object:
     line = np.linspace(-size / 2, size / 2, cells + 1)
-    x, y = (part.ravel() for part in np.meshgrid(line, line, indexing="ij"))
+    x, y = (part.ravel() for part in np.meshgrid(line, -line, indexing="ij"))
     corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
     faces = np.stack([corner, corner + cells + 1, corner + cells + 2, corner + 1], axis=1)
     mesh = bpy.data.meshes.new("cloth")
@@ -73,7 +73,7 @@ def main() -> None:
     made = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     places = np.zeros(3 * len(made.vertices))
     made.vertices.foreach_get("co", places)
-    # Blender's z is up.
+    # Its z is up, and rows of points begin where ours do.
     np.save(case["out"], places.reshape(-1, 3)[:, [0, 2, 1]] * [1, 1, -1])
     print(f"wall {wall / (frames * FRAME)}")
 

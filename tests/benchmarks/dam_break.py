@@ -39,9 +39,14 @@ def ours(method: str, seconds: float, threads: int, cfl: float | None) -> dict[s
         options = [word for setting in settings for word in ("--set", setting)]
         command = [sys.executable, "-m", "sim", "run", SCENE, "--out", out, "--quiet", "--arch", "cpu", *options]
         subprocess.run([*map(str, command), "--threads", str(threads)], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-        summary = json.loads((Path(out) / "summary.json").read_text())
-        with (Path(out) / "steps.csv").open() as file:
-            rows = list(csv.DictReader(file))
+        return of_a_run(Path(out))
+
+
+def of_a_run(out: Path) -> dict[str, float]:
+    """What a run of ours came to, by what it left in its folder."""
+    summary = json.loads((out / "summary.json").read_text())
+    with (out / "steps.csv").open() as file:
+        rows = list(csv.DictReader(file))
     counts, wall = summary["counts"], summary["wall_s"]
     return {
         "particles": counts["particles"],

@@ -27,7 +27,6 @@ class Tightness:
         mesh = cloth.mesh
         self._tree = Tree(mesh.triangles, mesh.points.position.to_numpy())
         self._thick = numbers(np.full(mesh.total, self._gap))
-        self._triangles = tightness_sums.Triangles(self._tree.member, self._tree.low, self._tree.high)
         self._hits = tightness_sums.Hits(integers(np.zeros(1)), vectors(np.zeros((1, 3))))
         self.held_off = 0
         """Particles that were kept on their side in the last step."""
@@ -48,9 +47,7 @@ class Tightness:
             dt,
             self._gap,
             self._origin,
-            self._tree.leaves,
-            self._tree.number,
-            self._triangles,
+            self._tree.tree,
             start,
             place,
             system.particles.position,

@@ -8,15 +8,12 @@ from sim.device.argument_packs import argpack
 from sim.device.arrays import Vec4Array, real
 from sim.device.compiler import ti
 from sim.device.double import Integers, Vectors, vec3
-from sim.neighbors.box_tree import meet, next_node
+from sim.neighbors.box_tree import GROUP, BoxTree, holds, next_node, of_primitive, seen_from
 
 ROUNDS = 8
 """Of looking, after a particle has been moved, for what it would meet there."""
 NEARER = 0.5
 """Of the distance that a particle has from a triangle at the start of a step, this share is kept."""
-
-Triangles: Any = argpack(member=Integers, low=Vectors, high=Vectors)
-"""The corners of each, and the boxes of the tree of them (`sim.neighbors.box_tree`)."""
 
 Hits: Any = argpack(struck=Integers, weight=Vectors)
 """The triangle that each particle has struck, and the barycentric weights of the place."""
@@ -42,15 +39,21 @@ def _beside(
     return found
 
 
+@ti.func
+def _may_meet(before: vec3, after: vec3, gap: ti.f64, triangles: ti.template(), node: ti.i32) -> ti.i32:
+    """Whether a particle on its way may come near to what is in a node."""
+    drift = after - before
+    lower, upper = seen_from(before - gap, before + gap, drift, drift, triangles, node)
+    return holds(triangles, node, lower, upper)
+
+
 @ti.kernel
 def keep(
     count: ti.i32,
     dt: real,
     gap: ti.f64,
     origin: vec3,
-    leaves: ti.i32,
-    primitives: ti.i32,
-    triangles: Triangles,
+    triangles: BoxTree,
     start: Vectors,
     place: Vectors,
     position: Vec4Array,
@@ -68,25 +71,25 @@ def keep(
         while again == 1 and rounds < ROUNDS:
             again = 0
             rounds += 1
-            node = ti.select(primitives > 0, 1, 0)
+            node = ti.select(triangles.primitives > 0, 1, 0)
             while node > 0:
-                lower, upper = ti.min(before, after) - gap, ti.max(before, after) + gap
-                inside = meet(lower, upper, triangles.low[node], triangles.high[node])
-                if inside and node < leaves:
+                inside = _may_meet(before, after, gap, triangles, node)
+                if inside and node < triangles.leaves:
                     node = 2 * node
                 else:
-                    if inside:
-                        t = node - leaves
-                        j, k, m = triangles.member[3 * t], triangles.member[3 * t + 1], triangles.member[3 * t + 2]
-                        a, b, c = start[j], start[k], start[m]
-                        da, db, dc = place[j] - a, place[k] - b, place[m] - c
-                        met = approach(False, before, a, b, c, after - before, da, db, dc, gap, 1.0, NEARER)
-                        if met.narrow == 1:
-                            hit = t
-                            again = 1
-                            after = _beside(before, after, a, b, c, da, db, dc, met, gap)
-                            nearest = point_triangle(after, a + da, b + db, c + dc)
-                            weight = -vec3(nearest.weight[1], nearest.weight[2], nearest.weight[3])
+                    first = GROUP * (node - triangles.leaves)
+                    for t in range(first, ti.select(inside == 1, first + GROUP, first)):
+                        if _may_meet(before, after, gap, triangles, of_primitive(t, triangles)):
+                            j, k, m = triangles.member[3 * t], triangles.member[3 * t + 1], triangles.member[3 * t + 2]
+                            a, b, c = start[j], start[k], start[m]
+                            da, db, dc = place[j] - a, place[k] - b, place[m] - c
+                            met = approach(False, before, a, b, c, after - before, da, db, dc, gap, 1.0, NEARER)
+                            if met.narrow == 1:
+                                hit = t
+                                again = 1
+                                after = _beside(before, after, a, b, c, da, db, dc, met, gap)
+                                nearest = point_triangle(after, a + da, b + db, c + dc)
+                                weight = -vec3(nearest.weight[1], nearest.weight[2], nearest.weight[3])
                     node = next_node(node)
         hits.struck[i] = hit
         if hit >= 0:

@@ -1,7 +1,8 @@
 """When two primitives that move straight come near each other: additive advancement (Li et al. 2021, ACCD).
 
 They are moved on by as much of the step as they could need at least to come so near, again and again: what is said to
-stay apart stays apart.
+stay apart stays apart. Most stay apart along the line between where they are nearest now: since primitives are convex
+and move straight, how far they are apart along a line is never less than at the begin and at the end.
 """
 
 from typing import Any
@@ -36,6 +37,17 @@ def span(edges: ti.template(), dp: vec3, dq: vec3, dr: vec3, ds: vec3) -> ti.f64
 
 
 @ti.func
+def apart_along(edges: ti.template(), n: vec3, p: vec3, q: vec3, r: vec3, s: vec3) -> ti.f64:
+    """How far the first primitive is from the other along a unit vector [m]."""
+    near, far = n.dot(p), ti.max(n.dot(r), n.dot(s))
+    if ti.static(edges):
+        near = ti.min(near, n.dot(q))
+    else:
+        far = ti.max(far, n.dot(q))
+    return near - far
+
+
+@ti.func
 def approach(
     edges: ti.template(),
     p: vec3,
@@ -54,9 +66,8 @@ def approach(
     near at `least` of it, or of the distance at the start where that is less.
 
     One loop looks for both: what is inlined here is most of what a kernel takes to compile."""
-    displacement = span(edges, dp, dq, dr, ds)
     found = Approach(time=2.0, narrow=0)
-    limit, time = early * thickness, ti.cast(0.0, ti.f64)
+    limit, time, displacement = early * thickness, ti.cast(0.0, ti.f64), ti.cast(-1.0, ti.f64)
     near, rounds, going = 0, 0, 1
     while going == 1:
         there = nearest(edges, p + time * dp, q + time * dq, r + time * dr, s + time * ds)
@@ -64,7 +75,8 @@ def approach(
         if near == 0 and rounds == 0:
             found.start_weight, found.start_apart, found.start = there.weight, there.apart, distance
         rounds += 1
-        if distance <= (1.0 + ENOUGH) * limit or rounds > ROUNDS:
+        enough = (1.0 + ENOUGH) * limit
+        if distance <= enough or rounds > ROUNDS:
             if near == 1:
                 found.narrow = 1
                 going = 0
@@ -72,9 +84,14 @@ def approach(
                 found.time, found.weight, found.apart = time, there.weight, there.apart
                 limit = least * ti.min(thickness, found.start)
                 near, rounds = 1, 0
-        elif displacement * (1.0 - time) <= distance - limit:
+        elif apart_along(edges, there.apart / distance, p + dp, q + dq, r + dr, s + ds) > enough:
             going = 0
         else:
-            time += (distance - limit) / displacement
-            going = int(time <= 1.0)
+            if displacement < 0.0:
+                displacement = span(edges, dp, dq, dr, ds)
+            if displacement * (1.0 - time) <= distance - limit:
+                going = 0
+            else:
+                time += (distance - limit) / displacement
+                going = int(time <= 1.0)
     return found

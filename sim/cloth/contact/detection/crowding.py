@@ -9,13 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from sim.cloth.contact.detection import search
-from sim.cloth.contact.detection.search import PLANE
+from sim.cloth.contact.detection.search import AT_REST, PLANE
 from sim.cloth.fabric.arrays import vectors
 from sim.cloth.fabric.mesh import ClothMesh
 from sim.geometry.components import groups
 
-SHARE = 0.5
-"""Of the distance at rest: what is twice as far apart as the cloth is thick is not concerned."""
 APART = 1e3
 """Between pieces, so that they are never near each other at rest [m]."""
 SPARE = 0.8
@@ -33,7 +31,7 @@ class Crowding:
         twice_area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
         height = twice_area / np.linalg.norm(sides, axis=2).max(axis=1)
         thickness = 2 * half[mesh.triangles].max(axis=1)
-        self.present = bool((SHARE * SPARE * height < thickness).any())
+        self.present = bool((AT_REST * SPARE * height < thickness).any())
         if not self.present:
             return
         _, piece = groups(mesh.triangles.ravel(), np.roll(mesh.triangles, 1, axis=1).ravel(), mesh.count)
@@ -51,5 +49,5 @@ class Crowding:
         apart, normal, weight = np.zeros(len(pairs)), np.zeros((len(pairs), 3)), np.zeros((len(pairs), 4))
         search.look_again(len(pairs), np.ascontiguousarray(key[pairs]), self.places, apart, normal, weight)
         found = otherwise.copy()
-        found[pairs] = np.minimum(otherwise[pairs], SHARE * apart)
+        found[pairs] = np.minimum(otherwise[pairs], AT_REST * apart)
         return found

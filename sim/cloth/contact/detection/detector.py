@@ -10,7 +10,7 @@ from sim.cloth.contact.detection.crowding import Crowding
 from sim.cloth.contact.detection.pair_search import Pairs, PairSearch
 from sim.cloth.contact.detection.roundness import Roundness
 from sim.cloth.contact.detection.search import EDGE, PLANE, POINT
-from sim.cloth.contact.detection.surfaces import Surface, Tree
+from sim.cloth.contact.detection.surfaces import Surface
 from sim.cloth.contact.solids import Wall
 from sim.cloth.fabric.arrays import integers, numbers
 from sim.cloth.fabric.mesh import ClothMesh
@@ -33,25 +33,24 @@ class Detector:
         cloth = Surface.of(mesh.triangles)
         places = np.concatenate([mesh.placed[: mesh.count], made])
         self._half = numbers(half)
-        own = Tree(cloth.triangles, places), Tree(cloth.edges, places)
-        points, edges = integers(cloth.points), own[1].member
+        points, triangles, edges = cloth.trees(places)
         self._crowding = Crowding(mesh, half)
         self._searches = [
-            PairSearch(False, False, points, len(cloth.points), own[0], self._crowding),
-            PairSearch(True, True, edges, len(cloth.edges), own[1], self._crowding),
+            PairSearch(False, points, triangles, self._crowding),
+            PairSearch(True, edges, edges, self._crowding),
         ]
-        self._trees: tuple[Tree, ...] = own
+        self._trees = [points, triangles, edges]
         self._round: Roundness | None = None
         if solids:
-            other = Tree(solids.triangles, places), Tree(solids.edges, places)
-            self._trees += other
+            corners, faces, sides = solids.trees(places)
+            self._trees += [corners, faces, sides]
             self._round = Roundness(solids.triangles, places, mesh.count)
             self._searches += [
-                PairSearch(False, False, points, len(cloth.points), other[0]),
-                PairSearch(True, False, edges, len(cloth.edges), other[1]),
-                PairSearch(False, False, integers(solids.points), len(solids.points), own[0]),
+                PairSearch(False, points, faces),
+                PairSearch(True, edges, sides),
+                PairSearch(False, corners, triangles),
             ]
-        self._cloth_points, self._points = cloth.points, points
+        self._cloth_points, self._points = cloth.points, integers(cloth.points)
         self._number = integers(np.zeros(len(cloth.points)))
 
     def search(self, start: ti.Ndarray, place: ti.Ndarray, early: float = EARLY) -> ContactSet:

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.cloth.contact.detection import search
-from sim.cloth.contact.detection.crowding import SHARE as AT_REST
 from sim.cloth.contact.detection.crowding import Crowding
 from sim.cloth.contact.detection.search import Hits, SweptPoints
 from sim.cloth.contact.detection.surfaces import Tree
 from sim.cloth.fabric.arrays import integers, vectors
 from sim.device.compiler import ti
+from sim.neighbors.box_tree import GROUP
 
-LEAST = 0.25
-"""This share of the thickness, or of the distance at the start where that is less, is kept in any case."""
 ROOM = 8
 """Hits of one point or edge that there is room for at first."""
 
@@ -35,26 +33,27 @@ class Pairs:
 
 
 class PairSearch:
-    """Looks for so many points, or `edges`, among the primitives of a tree, which may be the same (`itself`)."""
+    """Looks for the points, or `edges`, of one tree among the primitives of another, which may be the same."""
 
-    def __init__(
-        self, edges: bool, itself: bool, query: ti.Ndarray, number: int, tree: Tree, own: Crowding | None = None
-    ):
+    def __init__(self, edges: bool, query: Tree, tree: Tree, own: Crowding | None = None):
         """`own`: where cloth is looked for that may be a neighbour."""
-        self.edges, self.itself = edges, itself
+        self.edges, self.itself = edges, query is tree
         self._crowding = own if own and own.present else None
-        self._query, self._queries, self._tree = query, number, tree
+        self._query, self._tree = query, tree
+        # Contacts of points follow one another as points do, whatever the tree.
+        self._order = np.arange(query.number) if edges else query.order
         self._swept: dict[tuple[int, ...], SweptPoints] = {}
         self._make_room(ROOM)
 
     def _make_room(self, room: int) -> None:
-        self._room, slots = room, max(room * self._queries, 1)
+        self._room, queries = room, -(-self._query.number // GROUP) * GROUP
+        slots = room * queries
         self._hits = Hits(
             corner=integers(np.zeros(4 * slots)),
-            weight=ti.Vector.ndarray(4, ti.f64, slots),
+            weight=ti.Vector.ndarray(4, ti.f64, max(slots, 1)),
             toward=vectors(np.zeros((slots, 3))),
             narrow=integers(np.zeros(slots)),
-            hit_count=integers(np.zeros(self._queries)),
+            hit_count=integers(np.zeros(queries)),
         )
 
     def run(self, half: ti.Ndarray, start: ti.Ndarray, end: ti.Ndarray, early: float) -> Pairs:
@@ -66,17 +65,14 @@ class PairSearch:
                 self.edges,
                 int(self.itself),
                 int(self._crowding is not None),
-                self._queries,
                 self._room,
                 early,
-                LEAST,
-                AT_REST,
-                self._query,
-                self._tree.boxes,
+                self._query.tree,
+                self._tree.tree,
                 points,
                 self._hits,
             )
-            number = self._hits.hit_count.to_numpy()[: self._queries]
+            number = self._hits.hit_count.to_numpy()[: self._query.number]
             if number.max(initial=0) <= self._room:
                 break
             self._make_room(2 * int(number.max()))
@@ -84,8 +80,10 @@ class PairSearch:
         corners, narrow = np.zeros((total, 4), np.int32), np.zeros(total, np.int32)
         weight, normal = np.zeros((total, 4)), np.zeros((total, 3))
         if total:
-            first = integers(np.cumsum(number) - number)
-            search.gather(self._queries, self._room, first, self._hits, corners, weight, normal, narrow)
+            each = np.empty_like(number)
+            each[self._order] = number
+            first = integers((np.cumsum(each) - each)[self._order])
+            search.gather(len(number), self._room, first, self._hits, corners, weight, normal, narrow)
         return Pairs(corners, weight, normal, narrow)
 
     def _points(self, half: ti.Ndarray, start: ti.Ndarray, end: ti.Ndarray) -> SweptPoints:
