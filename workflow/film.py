@@ -4,9 +4,9 @@ example: the film of two blocks of frames
   python -m workflow.film --spec '{"name": "splash", "fps": 24, "last_frame": 8}' \\
       --frames-from run/frames/000 run/frames/001 --simulation run/simulation --out renders/splash
 
-It writes splash.mp4, frames/00000.png ..., contact.png and summary.json; with --simulation also
-steps.csv, bodies.csv, probes.csv and plots.png. --spec takes JSON, the name of a file with it, or -
-for standard input.
+It writes splash.mp4, the formats that film.also asks for, frames/00000.png ..., contact.png and
+summary.json; with --simulation also steps.csv, bodies.csv, probes.csv and plots.png. --spec takes
+JSON, the name of a file with it, or - for standard input.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
@@ -17,6 +17,7 @@ import argparse
 import shutil
 import struct
 from collections.abc import Sequence
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,7 @@ def run(
     title = spec.name.rpartition("/")[2]
     with watch.phase("import"):
         from workflow.stages.film import plots, summaries, tables
+        from workflow.stages.film.codecs import CODECS
         from workflow.stages.film.contact_sheet import contact_sheet
         from workflow.stages.film.encode import EncoderFailed, encode
     with watch.phase("check"):
@@ -56,15 +58,18 @@ def run(
     with watch.phase("copy"):
         pictures = _copies(rendered, out / "frames")
     playback = film.playback_fps or spec.fps
-    video = out / f"{title}.mp4"
+    videos = {name: out / f"{title}{CODECS[name].suffix}" for name in ("h264", *film.also)}
+    video = videos["h264"]
     with watch.phase("encode"):
-        try:
-            write_whole(video, lambda partial: encode(out / "frames", partial, fps=playback, crf=film.crf))
-        except EncoderFailed as error:
-            raise Refused(f"the film cannot be encoded: {error}") from None
+        for name, path in videos.items():
+            make = partial(encode, out / "frames", fps=playback, crf=film.crf, codec=CODECS[name])
+            try:
+                write_whole(path, make)
+            except EncoderFailed as error:
+                raise Refused(f"the film cannot be encoded as {name}: {error}") from None
     with watch.phase("contact_sheet"):
         sheet = contact_sheet(pictures, fps=spec.fps, title=title, spec=film.contact_sheet)
-        write_whole(out / "contact.png", lambda partial: sheet.save(partial, format="PNG"))
+        write_whole(out / "contact.png", lambda path: sheet.save(path, format="PNG"))
     with watch.phase("tables"):
         for name in tables.TABLES:
             tables.concatenate([folder / name for folder in simulation], out / name)
@@ -73,12 +78,12 @@ def run(
         if steps.exists():
             frames, volumes = summaries.volumes(surface)
             curve = ([frame / spec.fps for frame in frames], volumes)
-            write_whole(out / "plots.png", lambda partial: plots.plot(steps, partial, title=title, volume=curve))
+            write_whole(out / "plots.png", lambda path: plots.plot(steps, path, title=title, volume=curve))
     with watch.phase("copy"):
         copy = film.copy_path(Path.cwd())
         if copy is not None:
             copy.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(copy, lambda partial: shutil.copyfile(video, partial))
+            write_whole(copy, lambda path: shutil.copyfile(video, path))
     stages = {"simulate": simulation, "reconstruct": surface, "foam": foam, "render": blocks}
     summary = summaries.merged(stages, steps if steps.exists() else None)
     summary["versions"]["imageio-ffmpeg"] = version("imageio-ffmpeg")

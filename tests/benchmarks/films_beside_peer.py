@@ -8,10 +8,10 @@ Set-up of the peer, once, in an environment of its own:
 
 Where the peer's bundled GL library crashes, `--preload libGLdispatch.so.0` helps. Use a machine that is idle.
 
-Ours are the scenes of the gallery as they are; the peer gets their meshes, where our bodies are led, and the hull of
-our water. Compared is stepping alone, in turns, and what each comes to: where the middle of the water and the body are
-at the end. Particles of both hold as much water; the peer starts with fewer, see `splishsplash_films.py`, so the time
-of a particle-step is told as well.
+Ours are the scenes of the gallery, with the tolerances of the peer; it gets their meshes, where our bodies are led, and
+the hull of our water. Compared is stepping alone, in turns, and what each comes to: where the middle of the water and
+the body are at the end. Particles of both hold as much water. The peer's start looser, and the bowl holds fewer of them
+(`splishsplash_films.py`), so particle-steps per second are told as well.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ FILMS = {"duck": 1.0, "bowl": 2.0}
 """Seconds of each."""
 TANK = 1.0
 """How high the peer's pool is [m]: nothing splashes out of it."""
+TOLERANCES = ("fluid.dfsph.density_error=0.0005", "fluid.dfsph.divergence_error=0.001")
+"""Those of the peer."""
 DENSITY = {"duck": 250.0}
 """[kg/m^3]"""
 
@@ -48,7 +50,7 @@ def scene(film: str) -> Path:
 
 
 def ours(film: str, seconds: float, radius: float | None, threads: int, out: Path) -> dict[str, float]:
-    settings = [f"duration={seconds}"] + ([f"fluid.particle_radius={radius}"] if radius else [])
+    settings = [f"duration={seconds}", *TOLERANCES] + ([f"fluid.particle_radius={radius}"] if radius else [])
     options = [word for setting in settings for word in ("--set", setting)]
     command = [sys.executable, "-m", "sim", "run", scene(film), "--out", out, "--quiet", *options]
     command += ["--arch", "cpu", "--threads", threads]
@@ -107,7 +109,7 @@ def peer(options: argparse.Namespace, out: Path) -> dict:
     command = [options.peer, Path(__file__).with_name("splishsplash_films.py")]
     done = subprocess.run(command, env=environment, input=json.dumps(case), capture_output=True, text=True)
     if done.returncode:
-        sys.exit(done.stdout[-2000:] + done.stderr)
+        sys.exit(f"the peer ended with {done.returncode}\n{done.stdout[-2000:]}{done.stderr}")
     return json.loads(
         next(line for line in done.stdout.splitlines() if line.startswith("RESULT")).removeprefix("RESULT")
     )

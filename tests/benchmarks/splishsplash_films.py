@@ -25,12 +25,17 @@ MEASURED_EVERY = 10
 """Steps between two looks at the densities."""
 
 
-def particles(water: trimesh.Trimesh, solids: list[trimesh.Trimesh], spacing: float) -> np.ndarray:
-    """A lattice in the convex hull of where there is water, a spacing off solids [m]."""
-    low, high = water.bounds
-    axes = [np.arange(a + spacing, b - spacing / 2, LOOSE * spacing) for a, b in zip(low, high, strict=True)]
+def particles(water: np.ndarray, solids: list[trimesh.Trimesh], spacing: float, tall: bool) -> np.ndarray:
+    """A lattice in the convex hull of where there is water, a spacing off solids [m]; where there is room above,
+    `tall`, as many as there are of ours."""
+    low, high = water.min(axis=0), water.max(axis=0)
+    top = low[1] + 1.5 * (high[1] - low[1]) if tall else high[1]
+    ends = [(low[0], high[0]), (low[1], top), (low[2], high[2])]
+    axes = [np.arange(a + spacing / 2, b - spacing / 4, LOOSE * spacing) for a, b in ends]
     points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], 1)
-    points = points[water.contains(points)]
+    if tall:
+        return points[np.argsort(points[:, 1], kind="stable")[: len(water)]]
+    points = points[trimesh.convex.convex_hull(water).contains(points)]
     for solid in solids:
         # Positive inside.
         points = points[trimesh.proximity.signed_distance(solid, points) < -spacing]
@@ -52,6 +57,9 @@ def rigid_body(number: int, file: str, body: dict) -> dict:
         "density": body.get("density", 1000),
         "isWall": False,
         "collisionObjectType": 0,
+        "collisionObjectScale": [1, 1, 1],
+        "restitution": 0.0,
+        "friction": 0.0,
         "mapInvert": body.get("hollow", False),
         "mapThickness": 0.0,
         "mapResolution": body["resolution"],
@@ -66,8 +74,8 @@ def configuration(case: dict, folder: Path) -> dict:
         meshes.append(rigid_body(number + 1, file, body))
         if body.get("holds"):
             solids.append(mesh.copy().apply_translation(body.get("position", [0, 0, 0])))
-    water = trimesh.convex.convex_hull(np.array(case["water"]))
-    write_bgeo(folder / "water.bgeo", particles(water, solids, case["spacing"]))
+    tall = any(body.get("hollow") for body in case["bodies"])
+    write_bgeo(folder / "water.bgeo", particles(np.array(case["water"]), solids, case["spacing"], tall))
     return {
         "Configuration": {
             "particleRadius": case["spacing"] / 2,
@@ -80,6 +88,7 @@ def configuration(case: dict, folder: Path) -> dict:
             "stopAt": case["seconds"],
             "DFSPH": {"maxError": 0.05, "maxErrorV": 0.1},
         },
+        "Simulation": {"contactStiffnessRigidBody": 20.0},
         "Materials": [
             {"id": "Fluid", "density0": 1000, "viscosityMethod": 1, "Standard viscosity": {"viscosity": 1e-6}}
         ],
@@ -114,7 +123,8 @@ def main() -> None:
     ends: list[float] = []
     iterations: list[int] = []
     errors: list[float] = []
-    movers: list[Led] = []
+    bodies: list[sph.StaticRigidBody] = []
+    led: list[Led] = []
 
     def look() -> None:
         ends.append(time.perf_counter())
@@ -122,8 +132,12 @@ def main() -> None:
         solver = simulation.getTimeStep()
         counters = sph.TimeStepDFSPH.SOLVER_ITERATIONS, sph.TimeStepDFSPH.SOLVER_ITERATIONS_V
         iterations.append(sum(solver.getValueUInt(counter) for counter in counters))
-        for mover in movers:
-            mover.go(sph.TimeManager.getCurrent().getTime())
+        if not bodies:
+            # They are there from the first step on.
+            bodies.extend(simulation.getBoundaryModel(k).getRigidBodyObject() for k in range(len(case["bodies"])))
+            led.extend(Led(body, rigid) for body, rigid in zip(case["bodies"], bodies, strict=True) if "keys" in body)
+        for body in led:
+            body.go(sph.TimeManager.getCurrent().getTime())
         if len(ends) % MEASURED_EVERY == 0:
             density = np.array(simulation.getFluidModel(0).getFieldBuffer("density"), copy=False)[:count]
             errors.append(float(np.maximum(density / 1000 - 1, 0).mean()))
@@ -138,8 +152,6 @@ def main() -> None:
         base.initSimulation()
         simulation = sph.Simulation.getCurrent()
         count = simulation.getFluidModel(0).numActiveParticles()
-        bodies = [simulation.getBoundaryModel(k).getRigidBodyObject() for k in range(len(case["bodies"]))]
-        movers += [Led(body, rigid) for body, rigid in zip(case["bodies"], bodies, strict=True) if "keys" in body]
         start = time.perf_counter()
         base.runSimulation()
         places = [np.array(rigid.getPosition()).ravel().tolist() for rigid in bodies]

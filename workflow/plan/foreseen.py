@@ -30,6 +30,9 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     yield from idle.cautions(scene)
     yield from _after_the_end(scene)
     yield from _of_the_camera(scene, found)
+    if scene.film.crf == 0:
+        text = "few players take lossless H.264: give 1 or more, and film.also: [prores] to edit"
+        yield Caution(text, ("film", "crf"))
     blender = program.chosen()
     if blender is not None and shutil.which(blender) is None:
         yield Caution(f"there is no Blender at {blender} on this machine, which {program.VARIABLE} names")

@@ -1,4 +1,4 @@
-"""Pictures become a film that plays everywhere: H.264 in MP4, by the ffmpeg that imageio-ffmpeg brings."""
+"""Pictures become a film, by the ffmpeg that imageio-ffmpeg brings."""
 
 from __future__ import annotations
 
@@ -7,24 +7,26 @@ from pathlib import Path
 
 import imageio_ffmpeg
 
+from workflow.stages.film.codecs import CODECS, Codec
+
 
 class EncoderFailed(Exception):
     """ffmpeg ended with an error; the text is what it said."""
 
 
-def encode(frames: Path, film: Path, *, fps: float, crf: int) -> None:
+def encode(frames: Path, film: Path, *, fps: float, crf: int, codec: Codec = CODECS["h264"]) -> None:
     """Make `film` from frames/00000.png, 00001.png, ... shown at `fps` [Hz]; the same frames give the same bytes.
 
-    Odd sizes are padded to even ones, as the format needs. Raises EncoderFailed.
+    Raises EncoderFailed.
     """
     reproducible = ["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-threads", "1"]
     command = [
         *(imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-hide_banner", "-loglevel", "error", "-y"),
         *("-framerate", f"{fps:.12g}", "-i", "%05d.png"),
-        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"),
-        *("-c:v", "libx264", "-crf", str(crf), "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        *("-vf", codec.filters),
+        *(*codec.options(crf), "-pix_fmt", codec.pixels),
         *reproducible,
-        *("-f", "mp4", str(film.resolve())),
+        *("-f", codec.container, str(film.resolve())),
     ]
     # From within the folder, since a % in its name would be taken for a pattern, too.
     done = subprocess.run(command, cwd=frames, capture_output=True, text=True, errors="replace")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
 from pydantic import StringConstraints
@@ -32,7 +32,10 @@ class FilmSpec(Settings):
     playback_fps: Annotated[Frequency, Le(1000)] | None = None
     """Frames shown per second [Hz]; without it the scene's fps, which is real time."""
     crf: Annotated[int, Ge(0), Le(51)] = 18
-    """Quality of the H.264 encoder: 0 lossless, 18 visually lossless, 28 small files."""
+    """Quality of the H.264 encoder: 0 lossless, which few players take, 18 visually lossless, 28 small files."""
+    also: tuple[Literal["h265", "av1", "prores", "webp", "gif"], ...] = ()
+    """The film in other formats, beside the MP4 in H.264 that plays everywhere: H.265 and AV1 at a half to two thirds
+    of its size, ProRes to edit, WebP and GIF for pages."""
     contact_sheet: ContactSheet = ContactSheet()
     copy_to: Annotated[str, StringConstraints(min_length=1, pattern=r"\.mp4$")] | None = None
     """Where a copy of the film is written, relative to the project's folder, as `gallery/bunny.mp4`."""

@@ -68,6 +68,8 @@ class SurfaceSpec(Settings):
     """Draw each particle without neighbours as a ball of its volume."""
     walls: bool = True
     """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
+    volume: bool = True
+    """Bring each connected piece of the surface to the volume of its particles; thin sheets are too thick otherwise."""
     smoothing: MeshSmoothing = MeshSmoothing()
     cleanup: MeshCleanup = MeshCleanup()
     normals: Normals = Normals()

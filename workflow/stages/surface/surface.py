@@ -10,21 +10,27 @@ from workflow.stages.surface.drops import APART, alone, balls
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.surface.volume import right_volume
 from workflow.stages.surface.walls import continued, flush
 
 
 def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, *, threads: int = 1) -> Surface:
     """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
-    surface, spacing = spec.surface, 2 * spec.particle_radius
+    surface, spacing, count = spec.surface, 2 * spec.particle_radius, len(positions)
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, spacing, surface.layers)
     drops = Surface.empty()
+    lone = np.zeros(len(positions), bool)
     if surface.drops:
         lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
         drops = balls(positions[lone], velocities[lone], spacing**3)
-        positions, velocities = positions[~lone], velocities[~lone]
-    positions, velocities = continued((positions, velocities), spacing, spec.walls)
-    return flush(_found(positions, velocities, spec, threads) + drops, spec.walls)
+    # What fills gaps in layers comes behind the particles, and has no volume of its own.
+    of_fluid = positions[:count][~lone[:count]]
+    cloud = continued((positions[~lone], velocities[~lone]), spacing, spec.walls)
+    found = flush(_found(*cloud, spec, threads), spec.walls)
+    if surface.volume:
+        found = right_volume(found, of_fluid, spacing, spec.walls)
+    return found + flush(drops, spec.walls)
 
 
 def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, threads: int) -> Surface:

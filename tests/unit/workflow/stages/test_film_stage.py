@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 
 import imageio_ffmpeg
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -65,6 +67,70 @@ def read_back(video: Path) -> tuple[dict, int]:
     meta = next(reader)
     reader.close()
     return meta, imageio_ffmpeg.count_frames_and_secs(str(video))[0]
+
+
+BARS = [(30, 200, 30), (200, 30, 30), (30, 30, 200), (235, 235, 16), (16, 235, 235), (128, 128, 128), (255, 255, 255)]
+TAGGED = {"h264": "pond.mp4", "h265": "pond.h265.mp4", "av1": "pond.av1.mp4", "prores": "pond.mov"}
+BAR = 32
+
+
+def bars(folder: Path, height: int) -> Path:
+    """One frame of bars in these colours [px]."""
+    folder.mkdir()
+    picture = np.repeat(np.array(BARS, np.uint8)[None], height, axis=0).repeat(BAR, axis=1)
+    Image.fromarray(picture).save(folder / "00000.png")
+    return folder
+
+
+def planes(video: Path, height: int) -> np.ndarray:
+    """Y', Cb and Cr of the first frame as the file has them, of eight bits, shape [height, width, 3]."""
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-i", video, "-frames:v", "1"]
+    command += ["-vf", "format=yuv444p", "-f", "rawvideo", "-"]
+    raw = subprocess.run(list(map(str, command)), capture_output=True, check=True).stdout
+    return np.frombuffer(raw, np.uint8).reshape(3, height, -1).transpose(1, 2, 0)
+
+
+def shown(planes: np.ndarray) -> np.ndarray:
+    """R'G'B' as a player finds them by ITU-R BT.709-6, sec. 3.2 to 3.5, from 0 to 255."""
+    luma, blue, red = (planes[..., 0] - 16.0) / 219, (planes[..., 1] - 128.0) / 224, (planes[..., 2] - 128.0) / 224
+    r, b = luma + 1.5748 * red, luma + 1.8556 * blue
+    g = (luma - 0.2126 * r - 0.0722 * b) / 0.7152
+    return 255 * np.clip(np.stack([r, g, b], axis=-1), 0, 1)
+
+
+@pytest.mark.parametrize("height", [48, 720])
+@pytest.mark.parametrize("codec", TAGGED)
+def test_colours_are_those_of_the_pictures(tmp_path, codec, height):
+    """Rounding to eight bits of Y'CbCr moves R'G'B' by 2 at most; 1 more for what the encoder leaves out."""
+    run(spec(0, also=[codec] if codec != "h264" else []), [bars(tmp_path / "block", height)], tmp_path / "out")
+    video = tmp_path / "out" / TAGGED[codec]
+    found = shown(planes(video, height))[height // 2, BAR // 2 :: BAR]
+    assert np.abs(found - BARS).max() <= 3
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-i", video]
+    told = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False).stderr
+    assert "(tv, bt709/bt709/iec61966-2-1" in told
+
+
+@pytest.mark.parametrize(("codec", "file", "error"), [("webp", "pond.webp", 6), ("gif", "pond.gif", 1)])
+def test_films_for_pages_have_all_frames_and_colours(tmp_path, codec, file, error):
+    """WebP has half the colours of BT.601, as its format says; a GIF has any 256 colours."""
+    run(spec(6, also=[codec]), blocks(tmp_path, 5, 2), tmp_path / "out")
+    with Image.open(tmp_path / "out" / file) as film:
+        assert (film.format, film.n_frames, film.size) == (codec.upper(), 7, (65, 49))
+        for frame in range(7):
+            film.seek(frame)
+            middle = film.convert("RGB").getpixel((32, 24))
+            assert np.abs(np.subtract(middle, (20 * frame, 100, 200))).max() <= error
+            assert film.info["duration"] in (120, 125, 130)
+
+
+def test_formats_are_the_same_bytes_again(tmp_path):
+    frames = blocks(tmp_path, 3)
+    for name in ("one", "two"):
+        run(spec(2, also=["h265", "av1", "prores", "webp", "gif"]), frames, tmp_path / name)
+    made = sorted(path.name for path in (tmp_path / "one").glob("pond.*"))
+    assert made == ["pond.av1.mp4", "pond.gif", "pond.h265.mp4", "pond.mov", "pond.mp4", "pond.webp"]
+    assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes() for name in made)
 
 
 @pytest.mark.parametrize("size", [(64, 48), (65, 49), (65, 48), (2, 3)])

@@ -1,0 +1,81 @@
+"""How films are written: the one that plays everywhere, and those for editing, for pages and for small files.
+
+Pictures are sRGB. Players take the matrix of BT.709 for larger films and that of BT.601 for smaller ones where a file
+says nothing, so it is converted to BT.709 (ITU-R BT.709-6, sec. 3) and said in the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+VIDEO = ",".join(
+    (
+        "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int",
+        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        "setparams=color_primaries=bt709:color_trc=iec61966-2-1:colorspace=bt709:range=tv",
+    )
+)
+"""Odd sizes are padded to even ones, as colours at half the resolution need."""
+PALETTE = "split[whole][sample];[sample]palettegen[palette];[whole][palette]paletteuse"
+"""The 256 colours of a GIF are those of the film at hand."""
+
+
+@dataclass(frozen=True)
+class Codec:
+    """A format of films."""
+
+    suffix: str
+    """What follows the name of the film."""
+    container: str
+    """As ffmpeg calls it."""
+    pixels: str
+    """As ffmpeg calls them."""
+    options: Callable[[int], tuple[str, ...]]
+    """Of the encoder, for a quality from 0, the best, to 51."""
+    filters: str = VIDEO
+
+
+def _h264(crf: int) -> tuple[str, ...]:
+    return ("-c:v", "libx264", "-crf", str(crf), "-movflags", "+faststart")
+
+
+def _h265(crf: int) -> tuple[str, ...]:
+    """A quality of 18 looks as 22 does here."""
+    coding = (
+        "-c:v",
+        "libx265",
+        "-crf",
+        str(min(crf + 4, 51)),
+        "-x265-params",
+        "log-level=error:pools=1:frame-threads=1",
+    )
+    return (*coding, "-tag:v", "hvc1", "-movflags", "+faststart")
+
+
+def _av1(crf: int) -> tuple[str, ...]:
+    """Qualities go up to 63."""
+    coding = ("-c:v", "libsvtav1", "-crf", str(max(1, min(round(1.2 * crf) + 4, 63))), "-preset", "6")
+    return (*coding, "-svtav1-params", "lp=1", "-movflags", "+faststart")
+
+
+def _prores(_crf: int) -> tuple[str, ...]:
+    return ("-c:v", "prores_ks", "-profile:v", "hq", "-vendor", "apl0")
+
+
+def _webp(crf: int) -> tuple[str, ...]:
+    return ("-c:v", "libwebp_anim", "-quality", str(100 - round(1.4 * crf)), "-loop", "0")
+
+
+def _gif(_crf: int) -> tuple[str, ...]:
+    return ("-c:v", "gif", "-loop", "0")
+
+
+CODECS = {
+    "h264": Codec(".mp4", "mp4", "yuv420p", _h264),
+    "h265": Codec(".h265.mp4", "mp4", "yuv420p10le", _h265),
+    "av1": Codec(".av1.mp4", "mp4", "yuv420p10le", _av1),
+    "prores": Codec(".mov", "mov", "yuv422p10le", _prores),
+    "webp": Codec(".webp", "webp", "bgra", _webp, filters="null"),
+    "gif": Codec(".gif", "gif", "pal8", _gif, filters=PALETTE),
+}
