@@ -10,7 +10,7 @@ from workflow.stages.surface.drops import APART, alone, balls
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.mesh import Surface
 from workflow.stages.surface.spec import ReconstructSpec
-from workflow.stages.surface.volume import right_volume
+from workflow.stages.surface.volume import right_drops, right_volume
 from workflow.stages.surface.walls import continued, flush
 
 
@@ -24,13 +24,13 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     if surface.drops:
         lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
         drops = balls(positions[lone], velocities[lone], spacing**3)
-    # What fills gaps in layers comes behind the particles, and has no volume of its own.
-    of_fluid = positions[:count][~lone[:count]]
     cloud = continued((positions[~lone], velocities[~lone]), spacing, spec.walls)
-    found = flush(_found(*cloud, spec, threads), spec.walls)
+    found, drops = flush(_found(*cloud, spec, threads), spec.walls), flush(drops, spec.walls)
     if surface.volume:
-        found = right_volume(found, of_fluid, spacing, spec.walls)
-    return found + flush(drops, spec.walls)
+        # What fills gaps in layers comes behind the particles, and has no volume of its own.
+        found = right_volume(found, positions[:count][~lone[:count]], spacing, spec.walls)
+        drops = right_drops(drops, int(lone.sum()), spacing, spec.walls)
+    return found + drops
 
 
 def _found(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, threads: int) -> Surface:

@@ -10,7 +10,7 @@ from sim.spec import SimulationSpec
 from tests.support.fluid.lattices import lattice
 from tests.support.meshes import open_edges
 from workflow.stages.surface.mesh import Surface
-from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec
 from workflow.stages.surface.standing import standing_walls
 from workflow.stages.surface.surface import reconstruct
 from workflow.stages.surface.walls import BEHIND, continued
@@ -40,8 +40,10 @@ def pool() -> np.ndarray:
 
 
 def surface(points: np.ndarray, velocities: np.ndarray | None = None, walls: tuple[Wall, ...] = TANK) -> Surface:
+    """As the grid makes it: brought to its volume, a surface would make up for what walls lack."""
     still = np.zeros_like(points) if velocities is None else velocities
-    return reconstruct(points, still, ReconstructSpec(particle_radius=RADIUS, walls=walls))
+    settings = SurfaceSpec(volume=False)
+    return reconstruct(points, still, ReconstructSpec(particle_radius=RADIUS, walls=walls, surface=settings))
 
 
 def test_a_tank_is_full_to_its_edges():
