@@ -168,7 +168,7 @@ class RenderSpec(Settings):
     """For compositing: written beside each picture as `00042.exr`, OpenEXR with many layers, in linear light and 32
     bits. `depth` [m], `normal`; `motion` between frames [px], only without motion blur; `objects` and `materials` as
     Cryptomatte."""
-    bounces: Annotated[int, Ge(2), Le(128)] = 12
+    bounces: Annotated[int, Ge(2), Le(128)] = 24
     """Surfaces that a light path crosses at most; too few make drops and thin sheets of water black."""
     motion_blur: bool = True
     """Blur what moves while the shutter is open."""

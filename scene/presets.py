@@ -22,7 +22,6 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
             "resolution": [480, 270],
             "samples": 8,
             "noise_threshold": 0.05,
-            "bounces": 8,
             "motion_blur": False,
         },
         "rigid": {"max_step": 0.008},
@@ -34,7 +33,7 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
     },
     "final": {
         "surface": {"cube_size": 0.75, "surface_threshold": 0.55},
-        "render": {"resolution": [1920, 1080], "samples": 128, "noise_threshold": 0.01, "bounces": 24},
+        "render": {"resolution": [1920, 1080], "samples": 128, "noise_threshold": 0.01},
         "rigid": {"max_step": 0.002},
         "cloth": {"max_step": 0.0025},
     },

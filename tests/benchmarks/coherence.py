@@ -33,7 +33,7 @@ def brightness(folder: Path, region: list[float], first: int) -> np.ndarray:
         with Image.open(path) as picture:
             width, height = picture.size
             box = [round(share * size) for share, size in zip(region, (width, height) * 2, strict=True)]
-            found.append(np.asarray(picture.convert("RGB").crop(box), float) @ LUMA)
+            found.append(np.asarray(picture.convert("RGB").crop(box)) @ LUMA)
     return np.array(found)
 
 

@@ -19,7 +19,10 @@ import numpy as np
 import pysplishsplash as sph
 import trimesh
 from scipy.spatial.transform import Rotation, Slerp
-from splishsplash_bodies import LOOSE, write_bgeo, write_obj
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from tests.benchmarks.splishsplash_bodies import LOOSE, write_bgeo, write_obj
 
 MEASURED_EVERY = 10
 """Steps between two looks at the densities."""

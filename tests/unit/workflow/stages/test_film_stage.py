@@ -9,7 +9,7 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from scene.settings import Refused
 from workflow.film import main, run
@@ -116,7 +116,8 @@ def test_films_for_pages_have_all_frames_and_colours(tmp_path, codec, file, erro
     """WebP has half the colours of BT.601, as its format says; a GIF has any 256 colours."""
     run(spec(6, also=[codec]), blocks(tmp_path, 5, 2), tmp_path / "out")
     with Image.open(tmp_path / "out" / file) as film:
-        assert (film.format, film.n_frames, film.size) == (codec.upper(), 7, (65, 49))
+        assert (film.format, film.size) == (codec.upper(), (65, 49))
+        assert len(list(ImageSequence.Iterator(film))) == 7
         for frame in range(7):
             film.seek(frame)
             middle = film.convert("RGB").getpixel((32, 24))
