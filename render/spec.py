@@ -166,7 +166,8 @@ class RenderSpec(Settings):
     light reaches by mirrors and water; 0 lets all through."""
     passes: tuple[Literal["depth", "normal", "motion", "objects", "materials"], ...] = ()
     """For compositing: written beside each picture as `00042.exr`, OpenEXR with many layers, in linear light and 32
-    bits. `depth` [m], `normal`; `motion` between frames [px], only without motion blur; `objects` and `materials` as
+    bits. `depth` [m], `normal`; `motion` [px], right and up, only without motion blur: X and Y lead to where it was a
+    frame before, Z and W from where it will be a frame later, as Blender has it; `objects` and `materials` as
     Cryptomatte."""
     bounces: Annotated[int, Ge(2), Le(128)] = 24
     """Surfaces that a light path crosses at most; too few make drops and thin sheets of water black."""

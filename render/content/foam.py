@@ -1,4 +1,5 @@
-"""Foam, spray and bubbles: each particle a ball, which Cycles draws without a mesh."""
+"""Foam, spray and bubbles: each particle a ball, which Cycles draws without a mesh, or, where the pass of motion is
+wanted, with one: of points it takes the origin for where they were and will be."""
 
 from __future__ import annotations
 
@@ -9,6 +10,8 @@ from render.blender.session import bpy
 from render.content.axes import z_up_columns
 from render.content.ply import TriangleMesh
 
+ROUND = 2
+"""Subdivisions of the icosahedron that stands for a ball: its faces are within 7 % of it."""
 RADIUS = "foam_radius"
 """Name of the points' attribute; Blender keeps `radius` for itself."""
 
@@ -16,11 +19,11 @@ RADIUS = "foam_radius"
 class Foam:
     """One object whose points change from frame to frame."""
 
-    def __init__(self, material: Any):
+    def __init__(self, material: Any, meshes: bool):
         self._thing = bpy.data.objects.new("foam", bpy.data.meshes.new("foam"))
         bpy.context.scene.collection.objects.link(self._thing)
         modifier = self._thing.modifiers.new("balls", "NODES")
-        modifier.node_group = _balls(material)
+        modifier.node_group = _meshes(material) if meshes else _balls(material)
 
     def show(self, source: TriangleMesh) -> None:
         """Have these points: x, y, z [m], radius [m] and vx, vy, vz [m/s], which Cycles takes for motion blur."""
@@ -49,5 +52,25 @@ def _balls(material: Any) -> Any:
     dressed.inputs["Material"].default_value = material
     tree.links.new(versions.only_output(radius), points.inputs["Radius"])
     for source, target, key in ((start, points, 0), (points, dressed, "Geometry"), (dressed, end, 0)):
+        tree.links.new(source.outputs[0], target.inputs[key])
+    return tree
+
+
+def _meshes(material: Any) -> Any:
+    """The same with a mesh for each ball, whose vertices have the velocity of its middle."""
+    tree = bpy.data.node_groups.new("meshes", "GeometryNodeTree")
+    versions.pass_geometry(tree)
+    names = ("MeshToPoints", "InstanceOnPoints", "RealizeInstances", "SetMaterial")
+    start, end = (tree.nodes.new(name) for name in ("NodeGroupInput", "NodeGroupOutput"))
+    points, copies, whole, dressed = (tree.nodes.new(f"GeometryNode{name}") for name in names)
+    ball, radius = (tree.nodes.new(f"GeometryNode{name}") for name in ("MeshIcoSphere", "InputNamedAttribute"))
+    ball.inputs["Radius"].default_value, ball.inputs["Subdivisions"].default_value = 1.0, ROUND
+    radius.data_type = "FLOAT"
+    radius.inputs["Name"].default_value = RADIUS
+    dressed.inputs["Material"].default_value = material
+    tree.links.new(versions.only_output(radius), copies.inputs["Scale"])
+    tree.links.new(ball.outputs["Mesh"], copies.inputs["Instance"])
+    for source, target, key in ((start, points, 0), (points, copies, "Points"), (copies, whole, "Geometry"),
+                                (whole, dressed, "Geometry"), (dressed, end, 0)):  # fmt: skip
         tree.links.new(source.outputs[0], target.inputs[key])
     return tree

@@ -44,7 +44,7 @@ class Scene:
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()
-        self._foam = Foam(make_material("foam", settings.foam, self.box.diagonal)) if inputs.foam else None
+        self._foam = self._make_foam() if inputs.foam else None
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
         """The meshes of a frame that change their shape, by name of their object; None where there is none."""
@@ -59,7 +59,7 @@ class Scene:
 
     def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
         """Bring everything to where it is in a frame."""
-        exposure = self.settings.shutter if self.settings.motion_blur else 0.0
+        exposure = self._exposure()
         self._camera.show(frame, exposure, self.fps)
         for name, body in self._bodies.items():
             body.show(poses.get(name), frame, exposure, self.fps)
@@ -74,6 +74,13 @@ class Scene:
         if self._foam is not None and foam is not None:
             self._foam.show(foam)
         bpy.context.scene.frame_set(frame)
+
+    def _exposure(self) -> float:
+        """How many frames around one motion is needed for: while the shutter is open, and for the pass of motion from
+        the frame before to the one after."""
+        if self.settings.motion_blur:
+            return self.settings.shutter
+        return 2.0 if "motion" in self.settings.passes else 0.0
 
     def key(self, frame: int, poses: dict[str, Pose]) -> None:
         """Keep where bodies and camera are in a frame as keyframes."""
@@ -136,6 +143,10 @@ class Scene:
         for index, name in enumerate(self.inputs.sheets()):
             look = self._look(name, default_sheet_look(index))
             self._add_moving_mesh("cloth_" + name, make_material(name, look, self.box.diagonal))
+
+    def _make_foam(self) -> Foam:
+        material = make_material("foam", self.settings.foam, self.box.diagonal)
+        return Foam(material, meshes="motion" in self.settings.passes)
 
     def _add_moving_mesh(self, name: str, material: Any) -> None:
         self._moving_meshes[name] = add_object(name, bpy.data.meshes.new(name), material), material
