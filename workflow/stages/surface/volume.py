@@ -62,7 +62,7 @@ def _filled(
     surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, spacing: float, walls: Sequence[Wall]
 ) -> Surface:
     """The surface, each piece of which has the volume wanted [m^3]: its vertices move by as much as each is thin, by
-    regula falsi (the Illinois method, Dowell & Jarratt 1971)."""
+    regula falsi after the Illinois method (Dowell & Jarratt 1971), with the end that stays halved each time."""
     place, normal = surface.vertices.astype(np.float64), _normals(surface)
     of_triangle, count = piece[surface.triangles[:, 0]], len(wanted)
     for wall in walls:
@@ -89,12 +89,11 @@ def _filled(
         if not open_.any():
             break
         above = now > 0
-        # The end that stays counts half, so that the other comes nearer, too.
         at_high = np.where(above, now, at_high / 2)
         at_low = np.where(above, at_low / 2, now)
         low, high = np.where(above, low, far), np.where(above, far, high)
         far = np.where(open_, (low * at_high - high * at_low) / np.where(open_, at_high - at_low, 1.0), far)
-        now = np.where(open_, too_much(far), now)
+        now = too_much(far)
     far = np.where(at_low >= 0, low, np.where(at_high <= 0, high, far))
     return replace(surface, vertices=moved(far).astype(np.float32))
 
