@@ -23,7 +23,7 @@ class Foam:
         self._thing = bpy.data.objects.new("foam", bpy.data.meshes.new("foam"))
         bpy.context.scene.collection.objects.link(self._thing)
         modifier = self._thing.modifiers.new("balls", "NODES")
-        modifier.node_group = _meshes(material) if meshes else _balls(material)
+        modifier.node_group = _balls(material, meshes)
 
     def show(self, source: TriangleMesh) -> None:
         """Have these points: x, y, z [m], radius [m] and vx, vy, vz [m/s], which Cycles takes for motion blur."""
@@ -40,37 +40,29 @@ class Foam:
         bpy.data.meshes.remove(old)
 
 
-def _balls(material: Any) -> Any:
-    """The geometry nodes that make a ball of every vertex."""
+def _balls(material: Any, meshes: bool) -> Any:
+    """The geometry nodes that make a ball of every vertex; of `meshes`, each vertex has the velocity of its middle."""
     tree = bpy.data.node_groups.new("balls", "GeometryNodeTree")
     versions.pass_geometry(tree)
-    names = ("NodeGroupInput", "GeometryNodeMeshToPoints", "GeometryNodeSetMaterial", "NodeGroupOutput")
-    start, points, dressed, end = (tree.nodes.new(name) for name in names)
-    radius = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    radius.data_type = "FLOAT"
-    radius.inputs["Name"].default_value = RADIUS
-    dressed.inputs["Material"].default_value = material
-    tree.links.new(versions.only_output(radius), points.inputs["Radius"])
-    for source, target, key in ((start, points, 0), (points, dressed, "Geometry"), (dressed, end, 0)):
-        tree.links.new(source.outputs[0], target.inputs[key])
-    return tree
-
-
-def _meshes(material: Any) -> Any:
-    """The same with a mesh for each ball, whose vertices have the velocity of its middle."""
-    tree = bpy.data.node_groups.new("meshes", "GeometryNodeTree")
-    versions.pass_geometry(tree)
-    names = ("MeshToPoints", "InstanceOnPoints", "RealizeInstances", "SetMaterial")
     start, end = (tree.nodes.new(name) for name in ("NodeGroupInput", "NodeGroupOutput"))
-    points, copies, whole, dressed = (tree.nodes.new(f"GeometryNode{name}") for name in names)
-    ball, radius = (tree.nodes.new(f"GeometryNode{name}") for name in ("MeshIcoSphere", "InputNamedAttribute"))
-    ball.inputs["Radius"].default_value, ball.inputs["Subdivisions"].default_value = 1.0, ROUND
+    points, dressed, radius = (
+        tree.nodes.new(f"GeometryNode{name}") for name in ("MeshToPoints", "SetMaterial", "InputNamedAttribute")
+    )
     radius.data_type = "FLOAT"
     radius.inputs["Name"].default_value = RADIUS
     dressed.inputs["Material"].default_value = material
-    tree.links.new(versions.only_output(radius), copies.inputs["Scale"])
-    tree.links.new(ball.outputs["Mesh"], copies.inputs["Instance"])
-    for source, target, key in ((start, points, 0), (points, copies, "Points"), (copies, whole, "Geometry"),
-                                (whole, dressed, "Geometry"), (dressed, end, 0)):  # fmt: skip
-        tree.links.new(source.outputs[0], target.inputs[key])
+    tree.links.new(start.outputs[0], points.inputs[0])
+    balls, size = points, points.inputs["Radius"]
+    if meshes:
+        copies, balls, ball = (
+            tree.nodes.new(f"GeometryNode{name}") for name in ("InstanceOnPoints", "RealizeInstances", "MeshIcoSphere")
+        )
+        ball.inputs["Radius"].default_value, ball.inputs["Subdivisions"].default_value = 1.0, ROUND
+        tree.links.new(ball.outputs["Mesh"], copies.inputs["Instance"])
+        tree.links.new(points.outputs[0], copies.inputs["Points"])
+        tree.links.new(copies.outputs[0], balls.inputs["Geometry"])
+        size = copies.inputs["Scale"]
+    tree.links.new(versions.only_output(radius), size)
+    tree.links.new(balls.outputs[0], dressed.inputs["Geometry"])
+    tree.links.new(dressed.outputs[0], end.inputs[0])
     return tree
