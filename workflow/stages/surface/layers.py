@@ -2,14 +2,18 @@
 
 Where fluid lies in one layer, its particles are the bumps of its surface, and holes open as soon as they part.
 Such layers are filled where they are stretched (Ando et al. 2012) and flattened by the mean of what is around (Yu &
-Turk 2013, eq. 6). Only the surface sees the result.
+Turk 2013, eq. 6). Those on walls are filled farther: a sheet in the air breaks up, a film wets what it lies on, and
+holes that come and go from frame to frame are what water boils with. Only the surface sees the result.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import KDTree
 
+from sim.bodies.wall import Wall
 from sim.geometry.thinning import first_come
 from workflow.stages.surface.spec import Layers
 
@@ -28,6 +32,8 @@ the smoothing of their surface if they were filled."""
 ROOM = 0.72
 """Distance that a new particle keeps from all others, in spacings: more than from the middle of a square of four to
 its corners, or sheets that are not stretched would be filled too."""
+ON = 1.0
+"""Particles nearer than this to a wall lie on it, in spacings."""
 SUPPORT = 2.0
 """Reach of the mean that flattens, in spacings: the support radius of the fluid."""
 SHARE = 0.9
@@ -37,26 +43,43 @@ Cloud = tuple[np.ndarray, np.ndarray]
 """Positions [m] and velocities [m/s], float32, shape [n, 3]."""
 
 
-def whole_layers(positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Layers) -> Cloud:
+def whole_layers(
+    positions: np.ndarray, velocities: np.ndarray, spacing: float, spec: Layers, walls: Sequence[Wall] = ()
+) -> Cloud:
     """The particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3], of `spacing` [m]: those of
-    single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings. Drops, threads
-    and bulk stay as they are, to the last bit."""
+    single layers moved into them, followed by new ones that fill gaps of up to `spec.reach` spacings, on `walls` of up
+    to `spec.reach_on_walls`. Drops, threads and bulk stay as they are, to the last bit."""
     points = positions.astype(np.float64)
     tree = KDTree(points)
-    layer, normal = _layers(points, tree, spacing, spec.reach)
+    few = np.flatnonzero(tree.query_ball_point(points, NEXT * spacing, return_length=True) - 1 < LAYERED)
+    layer, normal = _layers(points, few, tree, spacing, spec.reach)
+    film = _films(points, few, walls, spacing, spec.reach_on_walls)
     points[layer] += _into_layer(points, tree, layer, normal, spacing)
-    first, second = _gaps(points, layer, spacing, spec.reach)
+    first, second = _gaps(points, ((layer, spec.reach), (film, spec.reach_on_walls)), spacing)
     middle = (points[first] + points[second]) / 2
     between = (velocities[first] + velocities[second]) / 2
     cloud = np.concatenate([points, middle]), np.concatenate([velocities, between])
     return cloud[0].astype(np.float32), cloud[1].astype(np.float32)
 
 
-def _layers(points: np.ndarray, tree: KDTree, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Which particles are of a single layer, shape [m], and the unit normals of it, shape [m, 3]: the cloud around them
-    is thin in one direction and wide in two."""
-    beside = tree.query_ball_point(points, NEXT * spacing, return_length=True) - 1
-    some = np.flatnonzero(beside < LAYERED)
+def _films(points: np.ndarray, few: np.ndarray, walls: Sequence[Wall], spacing: float, reach: float) -> np.ndarray:
+    """Which particles with `few` others next to them are of a single layer on a wall, whatever flies above it."""
+    near = np.zeros(len(points), bool)
+    for wall in walls:
+        near |= wall.distance(points) < ON * spacing
+    on = np.flatnonzero(near)
+    some = np.flatnonzero(np.isin(on, few, assume_unique=True))
+    if not len(some):
+        return some
+    layer, _ = _layers(points[on], some, KDTree(points[on]), spacing, reach)
+    return on[layer]
+
+
+def _layers(
+    points: np.ndarray, some: np.ndarray, tree: KDTree, spacing: float, reach: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which of `some` particles are of a single layer, shape [m], and the unit normals of it, shape [m, 3]: the cloud
+    around them is thin in one direction and wide in two."""
     center, other, weight = _neighbours(points, some, tree, reach * spacing)
     way = points[other] - points[some[center]]
     total = np.bincount(center, weight, len(some))
@@ -72,12 +95,20 @@ def _layers(points: np.ndarray, tree: KDTree, spacing: float, reach: float) -> t
     return some[layer], direction[layer, :, 0]
 
 
-def _gaps(points: np.ndarray, layer: np.ndarray, spacing: float, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of particles of a layer with room for one between them, the nearest first, as two arrays."""
-    pairs = KDTree(points[layer]).query_pairs(reach * spacing, output_type="ndarray")
-    length = np.linalg.norm(points[layer[pairs[:, 0]]] - points[layer[pairs[:, 1]]], axis=1)
+def _gaps(
+    points: np.ndarray, layers: Sequence[tuple[np.ndarray, float]], spacing: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of particles of a layer with room for one between them, the nearest first, as two arrays; each layer with
+    the widest gap, in spacings, that is filled."""
+    found = [
+        layer[KDTree(points[layer]).query_pairs(reach * spacing, output_type="ndarray")]
+        for layer, reach in layers
+        if len(layer)
+    ]
+    pairs = np.unique(np.sort(np.concatenate([*found, np.empty((0, 2), np.intp)]), axis=1), axis=0)
+    length = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
     wide = length > 2 * ROOM * spacing
-    pairs, length = layer[pairs[wide]], length[wide]
+    pairs, length = pairs[wide], length[wide]
     # equal lengths in the order of particles, for which a tree has none of its own
     pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0], length))]
     middle = points[pairs].mean(axis=1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_matrix
 
 
 @dataclass(frozen=True)
@@ -50,3 +51,37 @@ def volumes(place: np.ndarray, triangles: np.ndarray, piece: np.ndarray, count: 
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = np.moveaxis((place - place.mean(axis=0))[triangles], 0, 2)
     each = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return np.bincount(piece, each / 6.0, count)
+
+
+def area_normals(place: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Of vertices at `place` [m], the sum of the areas of their triangles as vectors out of the fluid, a third of each
+    [m^2], shape [n, 3]: by how much a mesh grows as they move."""
+    a, b, c = np.moveaxis(place[triangles].astype(np.float64), 1, 0)
+    area = np.cross(b - a, c - a) / 6.0
+    corners = triangles.ravel()
+    return np.stack([np.bincount(corners, np.repeat(area[:, axis], 3), len(place)) for axis in range(3)], axis=1)
+
+
+def unit_normals(surface: Surface) -> np.ndarray:
+    """Of the vertices of the mesh itself: those that it is drawn with may be smoother. Shape [n, 3]."""
+    area = area_normals(surface.vertices, surface.triangles)
+    size = np.linalg.norm(area, axis=1, keepdims=True)
+    return np.where(size > 0, area / np.maximum(size, np.finfo(float).tiny), surface.normals)
+
+
+class Smoothing:
+    """Means over the vertices that a mesh of `triangles` with `count` vertices links to each, and itself."""
+
+    def __init__(self, triangles: np.ndarray, count: int):
+        first, second = triangles.ravel(), np.roll(triangles, 1, axis=1).ravel()
+        links = coo_matrix((np.ones(len(first), np.float32), (first, second)), shape=(count, count)).tocsr()
+        self._links = links + links.T
+        self._number = 1.0 + np.asarray(self._links.sum(axis=1)).ravel()
+
+    def mean(self, values: np.ndarray, rounds: int) -> np.ndarray:
+        """Of `values` of the vertices, shape [count] or [count, k], taken `rounds` times: they spread as by diffusion,
+        over some square root of that number of edges."""
+        number = self._number.reshape(-1, *[1] * (values.ndim - 1))
+        for _ in range(rounds):
+            values = (values + self._links @ values) / number
+        return values

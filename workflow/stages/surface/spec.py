@@ -43,6 +43,8 @@ class Layers(Settings):
     """Fill gaps where a layer of particles is stretched, and flatten it; drops, threads and bulk are left unchanged."""
     reach: Annotated[Dimensionless, Ge(1.5), Le(4)] = 2.6
     """Widest gap between two particles that is filled, in spacings [1]."""
+    reach_on_walls: Annotated[Dimensionless, Ge(1.5), Le(6)] = 4.0
+    """Likewise of particles on the sides of box containers and on planes, where water wets what it lies on [1]."""
 
 
 class Normals(Settings):

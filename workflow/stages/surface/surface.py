@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from workflow.stages.surface.drops import APART, alone, balls
 from workflow.stages.surface.layers import whole_layers
-from workflow.stages.surface.mesh import Surface
+from workflow.stages.surface.mesh import Surface, area_normals
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.volume import right_drops, right_volume
 from workflow.stages.surface.walls import continued, flush
@@ -18,7 +18,7 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
     surface, spacing, count = spec.surface, 2 * spec.particle_radius, len(positions)
     if surface.layers.enabled:
-        positions, velocities = whole_layers(positions, velocities, spacing, surface.layers)
+        positions, velocities = whole_layers(positions, velocities, spacing, surface.layers, spec.walls)
     drops = Surface.empty()
     lone = np.zeros(len(positions), bool)
     if surface.drops:
@@ -28,7 +28,8 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     found, drops = flush(_found(*cloud, spec, threads), spec.walls), flush(drops, spec.walls)
     if surface.volume:
         # What fills gaps in layers comes behind the particles, and has no volume of its own.
-        found = right_volume(found, positions[:count][~lone[:count]], spacing, spec.walls)
+        held, rounds = positions[:count][~lone[:count]], surface.normals.smoothing_iterations
+        found = right_volume(found, held, spacing, spec.walls, rounds)
         drops = right_drops(drops, int(lone.sum()), spacing, spec.walls)
     return found + drops
 
@@ -87,14 +88,9 @@ def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) ->
     bad = ~np.isfinite(normals).all(axis=1)
     if not bad.any():
         return normals
-    corners = vertices[triangles].astype(np.float64)
-    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    from_faces = np.zeros(vertices.shape)
-    for corner in range(3):
-        np.add.at(from_faces, triangles[:, corner], areas)
-    beside = np.zeros(vertices.shape)
-    for corner in range(3):
-        np.add.at(beside, triangles[:, corner], from_faces[triangles].sum(axis=1))
+    from_faces = area_normals(vertices, triangles)
+    around, corners = from_faces[triangles].sum(axis=1), triangles.ravel()
+    beside = np.stack([np.bincount(corners, np.repeat(around[:, axis], 3), len(vertices)) for axis in range(3)], axis=1)
     repaired = normals.copy()
     for candidate in (np.array([0.0, 1.0, 0.0]) + np.zeros(vertices.shape), beside, from_faces):
         length = np.linalg.norm(candidate, axis=1)

@@ -2,7 +2,8 @@
 
 A surface around particles that are farther apart than at rest encloses more than they hold: a layer that is stretched
 stays as thick as it was. Vertices move along their normals until each piece has its volume, the more the fewer
-particles are near: those of bulk hardly move.
+particles are near: those of bulk hardly move. How many are near is smoothed along the surface, or what is left of the
+bumps of single particles would be carved out of it again.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from sim.bodies.wall import Wall
-from workflow.stages.surface.mesh import Surface, volumes
+from workflow.stages.surface.mesh import Smoothing, Surface, area_normals, unit_normals, volumes
 from workflow.stages.surface.walls import continued
 
 REACH, NEAREST = 2.0, 12
@@ -26,10 +27,14 @@ PLANE = 0.5 * 4 * np.pi * 16 / 315 * REACH**3
 (1 - (r / R)^2)^3 over a ball of radius R."""
 LEAST = 0.1
 """Of how far vertices far from all particles move, those of bulk do."""
-FARTHEST = 0.45
-"""That a vertex moves, in spacings: a layer is one thick."""
-MOST = 2.0
-"""How far vertices far from all particles would move, in spacings."""
+FARTHEST = 0.48
+"""That a vertex moves, in spacings: a layer is one thick, and has two sides."""
+SHARE = 0.9
+"""Of its distance from a wall that a vertex of a film on it may move: a film has one side."""
+ROUNDS = 20
+"""Of the mean over neighbours along the surface that smooths how thin it is: the square root of it are edges."""
+MOST = FARTHEST / LEAST
+"""How far vertices far from all particles would move, in spacings, when those of bulk move as far as they may."""
 SOLID = 0.05
 """Pieces of less volume, in particles, are voids or splinters, and belong to the piece around them."""
 ON = 1e-3
@@ -40,14 +45,28 @@ TRIES = 12
 """To find how far its vertices move."""
 
 
-def right_volume(surface: Surface, particles: np.ndarray, spacing: float, walls: Sequence[Wall]) -> Surface:
+def right_volume(
+    surface: Surface, particles: np.ndarray, spacing: float, walls: Sequence[Wall], rounds: int = 10
+) -> Surface:
     """The surface, each piece of which holds as much as the particles in it do, at [m], shape [n, 3], of `spacing` [m],
-    as far as its vertices may move. What lies on a wall stays there, and nothing goes behind it."""
+    as far as its vertices may move. What lies on a wall stays there, and nothing goes behind it. Normals turn as much
+    as those of the mesh do, smoothed by `rounds` of the mean over neighbours."""
     if not len(surface.triangles) or not len(particles):
         return surface
     piece, wanted = _pieces(surface, particles, spacing**3)
     around, _ = continued((particles, np.zeros_like(particles)), spacing, walls)
-    return _filled(surface, piece, wanted, _thinness(surface.vertices, around, spacing), spacing, walls)
+    smoothing = Smoothing(surface.triangles, len(surface.vertices))
+    thin = smoothing.mean(_thinness(surface.vertices, around, spacing), ROUNDS)
+    found = _filled(surface, piece, wanted, thin, spacing, walls)
+    turned = unit_normals(found) - unit_normals(surface)
+    free = np.ones(len(turned), bool)
+    for wall in walls:
+        free &= wall.distance(found.vertices) > ON * spacing
+    normals = surface.normals + smoothing.mean(turned * free[:, None], rounds)
+    length = np.linalg.norm(normals, axis=1)
+    free &= length > 0
+    normals[free] /= length[free, None]
+    return replace(found, normals=np.where(free[:, None], normals, surface.normals).astype(np.float32))
 
 
 def right_drops(drops: Surface, count: int, spacing: float, walls: Sequence[Wall]) -> Surface:
@@ -61,16 +80,23 @@ def right_drops(drops: Surface, count: int, spacing: float, walls: Sequence[Wall
 def _filled(
     surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, spacing: float, walls: Sequence[Wall]
 ) -> Surface:
-    """The surface, each piece of which has the volume wanted [m^3]: its vertices move by as much as each is thin, by
-    regula falsi after the Illinois method (Dowell & Jarratt 1971), with the end that stays halved each time."""
-    place, normal = surface.vertices.astype(np.float64), _normals(surface)
-    of_triangle, count = piece[surface.triangles[:, 0]], len(wanted)
+    """The surface, each piece of which has the volume wanted [m^3]: its vertices move by as much as each is thin, found
+    by secants, the first by the area that moves, within what is known to be too little and too much."""
+    place, normal = surface.vertices.astype(np.float64), unit_normals(surface)
+    size = np.linalg.norm(area_normals(place, surface.triangles), axis=1)
+    most = np.full(len(place), FARTHEST * spacing)
     for wall in walls:
-        thin = np.where(wall.distance(place) < ON * spacing, 0.0, thin)
+        distance = wall.distance(place)
+        above = (distance < 2 * spacing) & (normal @ np.array(wall.normal) > 0)
+        # less again above a film, as far as free surfaces two spacings from the wall
+        film = np.where(distance < spacing, SHARE * distance, SHARE * spacing - FARTHEST * (distance - spacing))
+        most = np.where(above, film, most)
+        thin = np.where(distance < ON * spacing, 0.0, thin)
+    of_triangle, count = piece[surface.triangles[:, 0]], len(wanted)
 
     def moved(far: np.ndarray) -> np.ndarray:
         """Where vertices are, if those of each piece that are far from all particles move as far [m]."""
-        step = np.clip(far[piece] * thin, -FARTHEST * spacing, FARTHEST * spacing)
+        step = np.clip(far[piece] * thin, -most, np.minimum(most, FARTHEST * spacing))
         there = place + step[:, None] * normal
         for wall in walls:
             there, _ = wall.pressed(there)
@@ -79,23 +105,25 @@ def _filled(
     def too_much(far: np.ndarray) -> np.ndarray:
         """Over what is wanted; pieces that are none have what they want."""
         found = volumes(moved(far), surface.triangles, of_triangle, count)
-        return np.where(wanted > 0, found / np.where(wanted > 0, wanted, 1.0) - 1.0, 0.0)
+        return np.where(wanted > 0, found - wanted, 0.0)
 
     low, high = np.full(count, -MOST * spacing), np.full(count, MOST * spacing)
-    far = np.zeros(count)
-    now, at_low, at_high = too_much(far), too_much(low), too_much(high)
+    far, now = np.zeros(count), too_much(np.zeros(count))
+    slope = np.bincount(piece, size * thin, count)
+    best, error = far, np.abs(now)
     for _ in range(TRIES):
-        open_ = (np.abs(now) > ENOUGH) & (at_low < 0) & (at_high > 0)
-        if not open_.any():
+        if not (error > ENOUGH * wanted).any():
             break
-        above = now > 0
-        at_high = np.where(above, now, at_high / 2)
-        at_low = np.where(above, at_low / 2, now)
-        low, high = np.where(above, low, far), np.where(above, far, high)
-        far = np.where(open_, (low * at_high - high * at_low) / np.where(open_, at_high - at_low, 1.0), far)
-        now = too_much(far)
-    far = np.where(at_low >= 0, low, np.where(at_high <= 0, high, far))
-    return replace(surface, vertices=moved(far).astype(np.float32))
+        low, high = np.where(now < 0, far, low), np.where(now > 0, far, high)
+        there = far - np.divide(now, slope, out=np.full(count, np.inf), where=slope > 0)
+        inside = (there > low) & (there < high)
+        there = np.where(error > ENOUGH * wanted, np.where(inside, there, (low + high) / 2), best)
+        then = too_much(there)
+        slope = np.divide(then - now, there - far, out=slope, where=there != far)
+        far, now = there, then
+        better = np.abs(now) < error
+        best, error = np.where(better, far, best), np.where(better, np.abs(now), error)
+    return replace(surface, vertices=moved(best).astype(np.float32))
 
 
 def _pieces(surface: Surface, particles: np.ndarray, each: float) -> tuple[np.ndarray, np.ndarray]:
@@ -124,13 +152,3 @@ def _thinness(place: np.ndarray, particles: np.ndarray, spacing: float) -> np.nd
     away, _ = KDTree(particles).query(place, NEAREST, distance_upper_bound=radius)
     number = ((1.0 - np.minimum(away / radius, 1.0) ** 2) ** 3).sum(axis=1)
     return np.maximum(1.0 - number / PLANE, LEAST)
-
-
-def _normals(surface: Surface) -> np.ndarray:
-    """Of the mesh itself: those that it is drawn with may be smoother."""
-    a, b, c = np.moveaxis(surface.vertices[surface.triangles].astype(np.float64), 1, 0)
-    area = np.cross(b - a, c - a)
-    corners, number = surface.triangles.ravel(), len(surface.vertices)
-    total = np.stack([np.bincount(corners, np.repeat(area[:, axis], 3), number) for axis in range(3)], axis=1)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.where(length > 0, total / np.maximum(length, np.finfo(float).tiny), surface.normals)

@@ -8,6 +8,7 @@ import trimesh
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
+from sim.bodies.wall import Wall
 from sim.geometry.thinning import first_come
 from tests.support.fluid import lattices
 from workflow.stages.surface.layers import whole_layers
@@ -85,6 +86,35 @@ def test_a_gap_wider_than_the_reach_stays_open() -> None:
     both = np.concatenate([sheet, apart])
     assert len(wholed(both, reach=2.6)) == len(both)
     assert len(wholed(both, reach=3.2)) > len(both)
+
+
+def film(pitch: float, seed: int = 6) -> np.ndarray:
+    """One layer, half a spacing above the floor, as it is when it has spread: some gaps are wider than most."""
+    points = lattice(24, 1, 24, spacing=pitch * SPACING)
+    points += np.random.default_rng(seed).normal(0, 0.35 * SPACING, points.shape).astype(np.float32)
+    points[:, 1] = SPACING / 2
+    return points
+
+
+def test_a_film_on_a_floor_has_no_holes_where_a_sheet_in_the_air_has() -> None:
+    """Inside, that is: the topology of a ball, but for what its rim makes."""
+    points = film(1.6)
+    floor = (Wall(normal=(0, 1, 0), offset=0.0),)
+    free, on_floor = (whole_layers(points, still(points), SPACING, Layers(), walls)[0] for walls in ((), floor))
+    inner = np.stack(np.meshgrid(*[np.linspace(0.1, 0.6, 120)] * 2), axis=-1).reshape(-1, 2)
+    bare = [(KDTree(cloud[:, [0, 2]]).query(inner)[0] > 1.1 * SPACING).sum() for cloud in (points, free, on_floor)]
+    assert bare[0] > bare[1] > 0
+    assert bare[2] == 0
+
+
+def test_a_film_is_filled_whatever_flies_above_it() -> None:
+    points = film(1.6)
+    above = points[::7] + np.float32([0, 2.2 * SPACING, 0])
+    both = np.concatenate([points, above])
+    floor = (Wall(normal=(0, 1, 0), offset=0.0),)
+    alone, with_spray = (whole_layers(cloud, still(cloud), SPACING, Layers(), floor)[0] for cloud in (points, both))
+    low = with_spray[len(both) :]
+    assert (low[:, 1] < SPACING).sum() >= len(alone) - len(points)
 
 
 def test_heights_go_by_the_weights_of_the_mean() -> None:
