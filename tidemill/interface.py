@@ -93,12 +93,14 @@ def simulate(
 
 def reconstruct(scene: Scene, frame: Frame, threads: int = 1) -> Surface:
     """The surface of the fluid in a frame, as films show it; raises Refused for a scene without fluid."""
+    from workflow.stages.bodies import Bodies
     from workflow.stages.surface.surface import reconstruct as surface
 
     if scene.simulation.fluid is None:
         raise Refused(f"{scene.name} has no fluid, so no surface", remedy="render it without")
     spec = ReconstructSpec.model_validate_json(Plan(scene, HOME).job("reconstruct").spec)
-    return surface(frame.positions, frame.velocities, spec, threads=threads)
+    solids = Bodies([frame.folder]).solids(frame.number, spec.vessels) if spec.surface.walls else []
+    return surface(frame.positions, frame.velocities, spec, solids=solids, threads=threads)
 
 
 def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None = None) -> Path:

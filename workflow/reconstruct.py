@@ -5,10 +5,11 @@ example: the frames 0 to 12 of a simulation with particles of 1 cm radius
       --simulation run/simulation --frames 0:12 --out run/surface
 
 --spec takes JSON, the name of a file with it, or - for standard input: particle_radius [m],
-rest_density [kg/m^3], walls (each with normal and offset [m]) that the surface ends flush with, and
-`surface`, the section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's
-velocity (vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a mesh
-without vertices.
+rest_density [kg/m^3], walls (each with normal and offset [m]) and vessels (names of containers)
+that the surface ends flush with, as it does with the bodies of the simulation, and `surface`, the
+section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's velocity
+(vx vy vz), and open in MeshLab, ParaView and Blender. A frame without particles gives a mesh without
+vertices.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
@@ -43,10 +44,12 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         import numpy as np
 
         from common.ply import BadPly, columns, read_points, write_surface
+        from workflow.stages.bodies import Bodies
         from workflow.stages.surface.surface import reconstruct
     out.mkdir(parents=True, exist_ok=True)
     with watch.phase("load"):
         stage.refuse_spoiled([simulation], "fluid_", frames=frames)
+        bodies = Bodies([simulation] if spec.surface.walls else [])
     rows = []
     for frame in frames:
         with watch.phase("load"):
@@ -64,8 +67,9 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
                     f"{path} holds numbers that are not finite",
                     remedy=f"delete it, and simulate the frames {frames} again",
                 )
+            solids = bodies.solids(frame, spec.vessels if spec.surface.walls else ())
         with watch.phase("splashsurf"), at_once():
-            surface = reconstruct(positions, velocities, spec, threads=threads)
+            surface = reconstruct(positions, velocities, spec, solids=solids, threads=threads)
         with watch.phase("write"):
             write_whole(out / f"surface_{frame:05d}.ply", functools.partial(write_surface, **vars(surface)))
         rows.append(

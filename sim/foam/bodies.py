@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from sim.bodies.filmed import Body
 from sim.foam.fluid import hermite
-from sim.geometry.distance.closest_points import MeshDistance
-from sim.geometry.pose import Pose
-from sim.geometry.solids import MeshSolid
-
-if TYPE_CHECKING:
-    import trimesh
 
 
 @dataclass(frozen=True)
@@ -40,28 +33,6 @@ class Motion:
             (1 - share) * self.velocity + share * end.velocity,
             (1 - share) * self.angular_velocity + share * end.angular_velocity,
         )
-
-
-class Body:
-    """The inside of a closed mesh, whose vertices [m] are relative to its motion's position."""
-
-    def __init__(self, mesh: trimesh.Trimesh):
-        self._solid = MeshSolid(Pose(), mesh)
-        self._low, self._high = self._solid.bounds
-
-    def contains(self, points: np.ndarray) -> np.ndarray:
-        """Whether points [m], shape [n, 3], are inside; shape [n]."""
-        inside = ((points > self._low) & (points < self._high)).all(axis=1)
-        inside[inside] = self._solid.contains(points[inside])
-        return inside
-
-    @cached_property
-    def _surface(self) -> MeshDistance:
-        return MeshDistance(self._solid.surface)
-
-    def nearest(self, points: np.ndarray) -> np.ndarray:
-        """The points of the surface [m] next to points [m]; shape [n, 3]."""
-        return self._surface.closest(points)[0]
 
 
 @dataclass(frozen=True)

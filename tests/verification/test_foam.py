@@ -255,7 +255,7 @@ def motion(position=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0
 
 
 def crate():
-    from sim.foam.bodies import Body
+    from sim.bodies.filmed import Body
 
     return Body(trimesh.creation.box((0.2, 0.4, 0.6)))
 

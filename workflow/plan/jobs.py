@@ -147,6 +147,7 @@ class Plan:
             particle_radius=fluid.particle_radius,
             rest_density=fluid.rest_density,
             walls=self._walls if self.scene.surface.walls else (),
+            vessels=self._vessels if self.scene.surface.walls else (),
             surface=self.scene.surface,
         )
         return Job(
@@ -155,7 +156,7 @@ class Plan:
             frames=self.timeline.segment(index),
             spec=spec.canonical(),
             code=self._code("reconstruct"),
-            versions=versions("pysplashsurf"),
+            versions=versions("libigl", "numpy", "pysplashsurf", "scipy"),
             assets=_assets({}, set()),
             upstream=(self.job("simulate", index).plan,),
         )
@@ -226,6 +227,12 @@ class Plan:
         from workflow.stages.surface.standing import standing_walls
 
         return standing_walls(self.scene.simulation)
+
+    @cached_property
+    def _vessels(self) -> tuple[str, ...]:
+        from workflow.stages.surface.standing import standing_vessels
+
+        return standing_vessels(self.scene.simulation)
 
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)

@@ -1,4 +1,5 @@
-"""Rigid bodies as a simulation's files have them: `body_NAME.ply` and the rows of `bodies.csv`."""
+"""Rigid bodies and vessels as a simulation's files have them: `body_NAME.ply` with the rows of `bodies.csv`, and
+`container_NAME.ply`."""
 
 from __future__ import annotations
 
@@ -6,11 +7,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from common.simulation_files import BadTable, BodyState, BodyTable
 from scene.settings import Refused
 
 if TYPE_CHECKING:
-    from sim.foam.bodies import Body, Motion, Passing
+    from sim.bodies.filmed import Body
+    from sim.foam.bodies import Motion, Passing
+    from workflow.stages.surface.solids import Solid
 
 
 class Bodies:
@@ -18,7 +23,10 @@ class Bodies:
 
     def __init__(self, folders: Sequence[Path]):
         self._meshes = {path.stem.removeprefix("body_"): path for one in folders for path in one.glob("body_*.ply")}
-        self._solids: dict[str, Body] = {}
+        self._vessels = {
+            path.stem.removeprefix("container_"): path for one in folders for path in one.glob("container_*.ply")
+        }
+        self._read_already: dict[Path, Body] = {}
         self._motions: dict[int, dict[str, Motion]] = {}
         for folder in folders:
             self._read(folder)
@@ -32,19 +40,38 @@ class Bodies:
         there = sorted(before.keys() & after.keys() & self._meshes.keys())
         return [Passing(self._solid(name), before[name], after[name]) for name in there]
 
+    def solids(self, frame: int, vessels: Sequence[str] = ()) -> list[Solid]:
+        """The bodies of a frame, by their names, and the vessels, which stay where they are; without half-spaces, which
+        have no mesh."""
+        from workflow.stages.surface.solids import Solid
+
+        there = self._motions.get(frame, {})
+        found = []
+        for name in sorted(there.keys() & self._meshes.keys()):
+            motion = there[name]
+            found.append(Solid(self._solid(name), motion.position, motion.rotation.as_matrix()))
+        return found + [Solid(self._vessel(name), np.zeros(3), np.eye(3)) for name in vessels]
+
     def _solid(self, name: str) -> Body:
+        return self._mesh(self._meshes[name])
+
+    def _vessel(self, name: str) -> Body:
+        if name not in self._vessels:
+            raise Refused(f"there is no container_{name}.ply", remedy="simulate the frames again")
+        return self._mesh(self._vessels[name], closed=False)
+
+    def _mesh(self, path: Path, *, closed: bool = True) -> Body:
         import trimesh
 
-        from sim.foam.bodies import Body
+        from sim.bodies.filmed import Body
 
-        if name not in self._solids:
-            path = self._meshes[name]
+        if path not in self._read_already:
             try:
                 mesh = trimesh.load_mesh(path, process=False)
             except (OSError, ValueError, KeyError, IndexError) as error:
                 raise Refused(f"{path} is not a mesh: {error!r}", remedy="delete it, and simulate it again") from None
-            self._solids[name] = Body(mesh)
-        return self._solids[name]
+            self._read_already[path] = Body(mesh, closed=closed)
+        return self._read_already[path]
 
     def _read(self, folder: Path) -> None:
         table = BodyTable(folder)
@@ -62,8 +89,11 @@ class Bodies:
             ) from None
 
 
+def _named(kind: str, folders: Sequence[Path]) -> dict[str, Path]:
+    return {path.stem.removeprefix(kind): path for folder in folders for path in folder.glob(f"{kind}*.ply")}
+
+
 def _motion(body: BodyState) -> Motion:
-    import numpy as np
     from scipy.spatial.transform import Rotation
 
     from sim.foam.bodies import Motion

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
 
-from scene.settings import Settings
+from scene.settings import Name, Settings
 from scene.units import Density, Dimensionless, PositiveLength
 from sim.bodies.wall import Wall
 
@@ -69,7 +69,7 @@ class SurfaceSpec(Settings):
     drops: bool = True
     """Draw each particle without neighbours as a ball of its volume."""
     walls: bool = True
-    """End flush with the sides of box containers and with planes, where the fluid touches them, up to their edges."""
+    """End flush with containers, planes and bodies where the fluid touches them, up to their edges."""
     volume: bool = True
     """Bring each connected piece of the surface to the volume of its particles; thin sheets are too thick otherwise."""
     smoothing: MeshSmoothing = MeshSmoothing()
@@ -85,4 +85,6 @@ class ReconstructSpec(Settings):
     rest_density: Density = 1000.0
     walls: tuple[Wall, ...] = ()
     """Planes that the surface ends flush with."""
+    vessels: tuple[Name, ...] = ()
+    """Containers with a mesh of their own that it ends flush with; it does with all bodies that have one."""
     surface: SurfaceSpec = SurfaceSpec()

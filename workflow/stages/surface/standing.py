@@ -5,7 +5,7 @@ from __future__ import annotations
 from scene.events import apply
 from sim.bodies.planes import PlaneWall, walls_of
 from sim.bodies.wall import Wall
-from sim.spec import SimulationSpec
+from sim.spec import MeshContainer, SimulationSpec
 
 
 def standing_walls(spec: SimulationSpec) -> tuple[Wall, ...]:
@@ -20,3 +20,13 @@ def standing_walls(spec: SimulationSpec) -> tuple[Wall, ...]:
         left = {place(wall) for wall in walls_of(current)}
         walls = [wall for wall in walls if place(wall) in left]
     return tuple(Wall(normal=tuple(wall.normal), offset=wall.offset) for wall in walls)
+
+
+def standing_vessels(spec: SimulationSpec) -> tuple[str, ...]:
+    """Names of containers with a mesh of their own that no event removes or changes."""
+    current = spec.model_copy(update={"events": ()})
+    left = {name: one for name, one in current.containers.items() if isinstance(one, MeshContainer)}
+    for index, event in enumerate(spec.events):
+        current = apply(current, event, index)
+        left = {name: one for name, one in left.items() if current.containers.get(name) == one}
+    return tuple(sorted(left))

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pysplashsurf
 from scipy.spatial import cKDTree
 
+from workflow.stages.surface.boundary import Boundary
 from workflow.stages.surface.drops import APART, alone, balls
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.mesh import Surface, area_normals
+from workflow.stages.surface.solids import Contacts, Solid, contacts
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.volume import right_drops, right_volume
-from workflow.stages.surface.walls import continued, flush
+from workflow.stages.surface.walls import flush
 
 
-def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: ReconstructSpec, *, threads: int = 1) -> Surface:
-    """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0."""
+def reconstruct(
+    positions: np.ndarray,
+    velocities: np.ndarray,
+    spec: ReconstructSpec,
+    *,
+    solids: Sequence[Solid] = (),
+    threads: int = 1,
+) -> Surface:
+    """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0. It ends
+    flush with the planes of `spec` and with `solids`."""
     surface, spacing, count = spec.surface, 2 * spec.particle_radius, len(positions)
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, spacing, surface.layers, spec.walls)
@@ -23,14 +36,16 @@ def reconstruct(positions: np.ndarray, velocities: np.ndarray, spec: Reconstruct
     lone = np.zeros(len(positions), bool)
     if surface.drops:
         lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
-        drops = balls(positions[lone], velocities[lone], spacing**3)
-    cloud = continued((positions[~lone], velocities[~lone]), spacing, spec.walls)
-    found, drops = flush(_found(*cloud, spec, threads), spec.walls), flush(drops, spec.walls)
+        drops = flush(balls(positions[lone], velocities[lone], spacing**3), spec.walls)
+    positions, velocities = positions[~lone], velocities[~lone]
+    boundary = Boundary(spec.walls, contacts(positions, solids, spacing), spacing)
+    found = _found(*boundary.continued((positions, velocities)), spec, threads)
+    found, on = boundary.flush(found, positions)
     if surface.volume:
         # What fills gaps in layers comes behind the particles, and has no volume of its own.
-        held, rounds = positions[:count][~lone[:count]], surface.normals.smoothing_iterations
-        found = right_volume(found, held, spacing, spec.walls, rounds)
-        drops = right_drops(drops, int(lone.sum()), spacing, spec.walls)
+        held = np.arange(len(positions)) < count - int(lone[:count].sum())
+        found = right_volume(found, on, positions[held], boundary.of(held), surface.normals.smoothing_iterations)
+        drops = right_drops(drops, int(lone.sum()), replace(boundary, touch=Contacts.none()))
     return found + drops
 
 

@@ -8,7 +8,6 @@ bumps of single particles would be carved out of it again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +15,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from sim.bodies.wall import Wall
+from workflow.stages.surface.boundary import Boundary
 from workflow.stages.surface.mesh import Smoothing, Surface, area_normals, unit_normals, volumes
-from workflow.stages.surface.walls import continued
 
 REACH, NEAREST = 2.0, 12
 """Of what is near a vertex, in spacings: the support radius of the fluid; and in particles: more are no sheet."""
@@ -37,8 +35,6 @@ MOST = FARTHEST / LEAST
 """How far vertices far from all particles would move, in spacings, when those of bulk move as far as they may."""
 SOLID = 0.05
 """Pieces of less volume, in particles, are voids or splinters, and belong to the piece around them."""
-ON = 1e-3
-"""Vertices nearer than this to a wall are on it, in spacings."""
 ENOUGH = 2e-3
 """Of the volume of a piece that may be left wrong."""
 TRIES = 12
@@ -46,61 +42,51 @@ TRIES = 12
 
 
 def right_volume(
-    surface: Surface, particles: np.ndarray, spacing: float, walls: Sequence[Wall], rounds: int = 10
+    surface: Surface, on: np.ndarray, particles: np.ndarray, boundary: Boundary, rounds: int = 10
 ) -> Surface:
-    """The surface, each piece of which holds as much as the particles in it do, at [m], shape [n, 3], of `spacing` [m],
-    as far as its vertices may move. What lies on a wall stays there, and nothing goes behind it. Normals turn as much
-    as those of the mesh do, smoothed by `rounds` of the mean over neighbours."""
+    """The surface, each piece of which holds as much as the particles in it do, at [m], shape [n, 3], as far as its
+    vertices may move. Those `on` the boundary of the particles stay there, and nothing goes behind it. Normals turn as
+    much as those of the mesh do, smoothed by `rounds` of the mean over neighbours."""
     if not len(surface.triangles) or not len(particles):
         return surface
-    piece, wanted = _pieces(surface, particles, spacing**3)
-    around, _ = continued((particles, np.zeros_like(particles)), spacing, walls)
+    piece, wanted = _pieces(surface, particles, boundary.spacing**3)
+    around, _ = boundary.continued((particles, np.zeros_like(particles)))
     smoothing = Smoothing(surface.triangles, len(surface.vertices))
-    thin = smoothing.mean(_thinness(surface.vertices, around, spacing), ROUNDS)
-    found = _filled(surface, piece, wanted, thin, spacing, walls)
-    turned = unit_normals(found) - unit_normals(surface)
-    free = np.ones(len(turned), bool)
-    for wall in walls:
-        free &= wall.distance(found.vertices) > ON * spacing
-    normals = surface.normals + smoothing.mean(turned * free[:, None], rounds)
+    thin = smoothing.mean(_thinness(surface.vertices, around, boundary.spacing), ROUNDS)
+    found = _filled(surface, piece, wanted, np.where(on, 0.0, thin), boundary)
+    turned = np.where(on[:, None], 0.0, unit_normals(found) - unit_normals(surface))
+    normals = surface.normals + smoothing.mean(turned, rounds)
     length = np.linalg.norm(normals, axis=1)
-    free &= length > 0
-    normals[free] /= length[free, None]
-    return replace(found, normals=np.where(free[:, None], normals, surface.normals).astype(np.float32))
+    kept = on | (length == 0)
+    normals /= np.where(kept, 1.0, length)[:, None]
+    return replace(found, normals=np.where(kept[:, None], surface.normals, normals).astype(np.float32))
 
 
-def right_drops(drops: Surface, count: int, spacing: float, walls: Sequence[Wall]) -> Surface:
+def right_drops(drops: Surface, count: int, boundary: Boundary) -> Surface:
     """The surface of so many balls of one particle each, of which walls have cut off some."""
-    if not count or not walls:
+    if not count or not boundary.walls:
         return drops
     piece = np.repeat(np.arange(count), len(drops.vertices) // count)
-    return _filled(drops, piece, np.full(count, spacing**3), np.ones(len(drops.vertices)), spacing, walls)
+    _, on = boundary.flush(drops, np.empty((0, 3)))
+    return _filled(drops, piece, np.full(count, boundary.spacing**3), np.where(on, 0.0, 1.0), boundary)
 
 
-def _filled(
-    surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, spacing: float, walls: Sequence[Wall]
-) -> Surface:
+def _filled(surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, boundary: Boundary) -> Surface:
     """The surface, each piece of which has the volume wanted [m^3]: its vertices move by as much as each is thin, found
     by secants, the first by the area that moves, within what is known to be too little and too much."""
-    place, normal = surface.vertices.astype(np.float64), unit_normals(surface)
+    place, normal, spacing = surface.vertices.astype(np.float64), unit_normals(surface), boundary.spacing
     size = np.linalg.norm(area_normals(place, surface.triangles), axis=1)
-    most = np.full(len(place), FARTHEST * spacing)
-    for wall in walls:
-        distance = wall.distance(place)
-        above = (distance < 2 * spacing) & (normal @ np.array(wall.normal) > 0)
-        # less again above a film, as far as free surfaces two spacings from the wall
-        film = np.where(distance < spacing, SHARE * distance, SHARE * spacing - FARTHEST * (distance - spacing))
-        most = np.where(above, film, most)
-        thin = np.where(distance < ON * spacing, 0.0, thin)
+    height = boundary.heights(surface, normal, 2 * spacing)
+    # less again above a film, as far as free surfaces two spacings from the wall
+    film = np.where(height < spacing, SHARE * height, SHARE * spacing - FARTHEST * (height - spacing))
+    inwards = np.where(np.isfinite(height), film, FARTHEST * spacing)
+    outwards = np.minimum(FARTHEST * spacing, boundary.heights(surface, -normal, spacing))
     of_triangle, count = piece[surface.triangles[:, 0]], len(wanted)
 
     def moved(far: np.ndarray) -> np.ndarray:
         """Where vertices are, if those of each piece that are far from all particles move as far [m]."""
-        step = np.clip(far[piece] * thin, -most, np.minimum(most, FARTHEST * spacing))
-        there = place + step[:, None] * normal
-        for wall in walls:
-            there, _ = wall.pressed(there)
-        return there
+        step = np.clip(far[piece] * thin, -inwards, outwards)
+        return boundary.pressed(place + step[:, None] * normal)
 
     def too_much(far: np.ndarray) -> np.ndarray:
         """Over what is wanted; pieces that are none have what they want."""
