@@ -76,12 +76,12 @@ class Smoothing:
         first, second = triangles.ravel(), np.roll(triangles, 1, axis=1).ravel()
         links = coo_matrix((np.ones(len(first), np.float32), (first, second)), shape=(count, count)).tocsr()
         self._links = links + links.T
-        self._number = 1.0 + np.asarray(self._links.sum(axis=1)).ravel()
+        self._share = 1.0 / (1.0 + np.asarray(self._links.sum(axis=1), np.float32).ravel())
 
     def mean(self, values: np.ndarray, rounds: int) -> np.ndarray:
-        """Of `values` of the vertices, shape [count] or [count, k], taken `rounds` times: they spread as by diffusion,
-        over some square root of that number of edges."""
-        number = self._number.reshape(-1, *[1] * (values.ndim - 1))
+        """Of `values` of the vertices, shape [count] or [count, k], taken `rounds` times, in float32: they spread as by
+        diffusion, over the square root of that number of edges."""
+        share, values = self._share.reshape(-1, *[1] * (values.ndim - 1)), values.astype(np.float32)
         for _ in range(rounds):
-            values = (values + self._links @ values) / number
+            values = (values + self._links @ values) * share
         return values

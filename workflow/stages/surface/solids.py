@@ -28,6 +28,8 @@ CORNERS = 3
 """Times that what is behind sides is brought in front of each: they need not be at right angles."""
 SUNK = 0.01
 """How far the fluid reaches into what it touches, in spacings: two surfaces in one place would flicker."""
+ASTRAY = 0.1
+"""How far from a body what lies on the plane of one of its sides is no longer on that, in spacings."""
 BEYOND = 2.0
 """How far the surface may be from all fluid that goes on inside, in spacings."""
 
@@ -90,7 +92,6 @@ class Contacts:
             particle=number[self.particle[kept]],
             **{name: getattr(self, name)[kept] for name in ("solid", "foot", "normal", "height")},
         )
-
 
     def in_front(self, points: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """Points [m], shape [n, 3], of which those behind what the particle of a contact each, shape [n], touches have
@@ -172,17 +173,20 @@ def flush_with_solids(
     place, outwards = surface.vertices.astype(np.float64), surface.normals.copy()
     away, nearest = KDTree(_inside(touch, spacing)).query(place, distance_upper_bound=BEYOND * spacing)
     near = np.flatnonzero(np.isfinite(away))
-    nearer, _ = KDTree(fluid).query(place[near], distance_upper_bound=BEYOND * spacing)
-    near = near[away[near] < nearer]
     contact = nearest[near] // BEHIND
     flat = touch.in_front(place[near], contact)
     behind = (flat != place[near]).any(axis=1)
     near, contact, flat = near[behind], contact[behind], flat[behind]
     normal, which = touch.normal[contact], touch.solid[contact]
+    foot = flat.copy()
     for index in np.unique(which):
         of = which == index
-        flat[of] = touch.solids[index].closest(flat[of])
-    place[near] = flat - SUNK * spacing * normal
+        foot[of] = touch.solids[index].closest(flat[of])
+    # a plane goes on beyond the edges of what it is a side of, where only what fluid inside is nearest to is behind it
+    nearer, _ = KDTree(fluid).query(place[near], distance_upper_bound=BEYOND * spacing)
+    there = (away[near] < nearer) | (np.linalg.norm(foot - flat, axis=1) < ASTRAY * spacing)
+    near, foot, normal = near[there], foot[there], normal[there]
+    place[near] = foot - SUNK * spacing * normal
     outwards[near] = -normal
     on[near] = True
     return replace(surface, vertices=place.astype(np.float32), normals=outwards), on

@@ -29,7 +29,7 @@ FARTHEST = 0.48
 """That a vertex moves, in spacings: a layer is one thick, and has two sides."""
 SHARE = 0.9
 """Of its distance from a wall that a vertex of a film on it may move: a film has one side."""
-ROUNDS = 20
+ROUNDS = 60
 """Of the mean over neighbours along the surface that smooths how thin it is: the square root of it are edges."""
 MOST = FARTHEST / LEAST
 """How far vertices far from all particles would move, in spacings, when those of bulk move as far as they may."""

@@ -53,7 +53,7 @@ def in_cup(depth: float = 6.0, radius: float = 8.0) -> np.ndarray:
         angle = 2 * np.pi * np.arange(round(2 * np.pi * away)) / round(2 * np.pi * away)
         rings.append(away * np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1))
     ring = np.concatenate(rings)
-    return SPACING * np.concatenate([ring + [0, height, 0] for height in np.arange(0.5, depth)])
+    return SPACING * np.concatenate([ring + np.array([0, height, 0]) for height in np.arange(0.5, depth)])
 
 
 def gap(found: Surface, depth: float) -> np.ndarray:
@@ -120,7 +120,6 @@ def test_a_film_on_a_table_lies_on_it_and_has_its_volume() -> None:
     assert on.mean() > 0.45
     assert (found.normals[on, 1] < -0.99).mean() > 0.99
     assert found.vertices[:, 1].min() > -FLUSH
-    assert made(film()).vertices[:, 1].min() > 0.1 * SPACING
 
 
 def test_a_body_may_be_turned_and_moved() -> None:
@@ -148,9 +147,11 @@ def test_spray_and_water_elsewhere_know_nothing_of_a_body() -> None:
 def test_what_got_into_a_body_does_not_turn_it_inside_out() -> None:
     table = trimesh.creation.box([3, 1, 3])
     table.apply_translation([0, -0.5, 0])
-    points = np.concatenate([lattice((0, 0, 0), (8, 4, 8)), [[4 * SPACING, -0.3 * SPACING, 4 * SPACING]]])
+    got_in = SPACING * np.array([[4.5, -0.3, 4.5], [5.5, -0.3, 4.5], [4.5, -0.3, 5.5]])
+    points = np.concatenate([lattice((0, 0, 0), (8, 4, 8)), got_in])
     touch = contacts(points, [placed(table)], SPACING)
-    assert len(points) - 1 not in touch.particle
+    assert len(touch.particle) == 64
+    assert touch.particle.max() < len(points) - len(got_in)
     assert made(points, placed(table)).vertices[:, 1].min() > -SPACING
 
 
