@@ -170,7 +170,8 @@ class RenderSpec(Settings):
     frame before, Z and W from where it will be a frame later, as Blender has it; `objects` and `materials` as
     Cryptomatte."""
     bounces: Annotated[int, Ge(2), Le(128)] = 24
-    """Surfaces that a light path crosses at most; too few make drops and thin sheets of water black."""
+    """Surfaces that a light path crosses at most, total reflections included. Through water and glass it then goes
+    straight on: with few, drops and the edges of panes look like air."""
     motion_blur: bool = True
     """Blur what moves while the shutter is open."""
     shutter: Annotated[Dimensionless, Gt(0), Le(2)] = 0.5

@@ -17,6 +17,9 @@ LOOKS = {
 }
 """Blender's names for the contrasts of the settings; Filmic's own look is the medium one."""
 
+STRAIGHT = 128
+"""Clear surfaces that light crosses without being bent, at most: it costs only where so many lie behind each other."""
+
 
 @dataclass(frozen=True)
 class Device:
@@ -71,8 +74,9 @@ def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.use_animated_seed = settings.animated_seed
     cycles.max_bounces = settings.bounces
     cycles.transmission_bounces = settings.bounces
-    cycles.transparent_max_bounces = settings.bounces
-    cycles.glossy_bounces = min(4, settings.bounces)
+    cycles.transparent_max_bounces = STRAIGHT
+    # total reflection counts as a mirror's: light runs along a pane of glass by many of them
+    cycles.glossy_bounces = settings.bounces
     cycles.diffuse_bounces = min(3, settings.bounces)
     cycles.volume_bounces = 0
     # clear looks let light through by straight rays instead: see looks/refraction.py

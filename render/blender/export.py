@@ -28,8 +28,8 @@ def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
     try:
         with silenced(Path(job.log)):
             bpy.ops.wm.read_factory_settings(use_empty=True)
-            scene = Scene(settings, inputs, job.fps)
             configure(settings, job.threads, job.fps)
+            scene = Scene(settings, inputs, job.fps)
             bpy.context.preferences.edit.keyframe_new_interpolation_type = "LINEAR"
             stage = bpy.context.scene
             stage.frame_start, stage.frame_end = job.first, job.last

@@ -31,8 +31,8 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
     try:
         with silenced(log), watch.phase("build"):
             bpy.ops.wm.read_factory_settings(use_empty=True)
-            scene = Scene(settings, inputs, job.fps)
             device, warnings = configure(settings, job.threads, job.fps)
+            scene = Scene(settings, inputs, job.fps)
         with watch.phase("load"):
             poses = inputs.poses(job.frames())
         for frame in job.frames():

@@ -10,6 +10,8 @@ from render.blender.session import bpy
 
 TINT = "tint"
 """Name of the meshes' attribute with the colours of the vertices; Cycles would show `color` black."""
+LAST = 2
+"""Bounces that a path keeps for what is opaque: Cycles lights nothing at the last of them."""
 
 
 def rgba(color: Sequence[float]) -> tuple[float, float, float, float]:
@@ -64,6 +66,14 @@ class Graph:
     def tint(self) -> Any:
         """The colour that the mesh has there."""
         return self.node("Attribute", attribute_name=TINT).outputs["Color"]
+
+    def exhausted(self) -> Any:
+        """1 once a light path has crossed nearly as many surfaces as the scene's bounces allow, else 0.
+
+        What is left of them lights an opaque surface that it then meets.
+        """
+        limit = bpy.context.scene.cycles.max_bounces - LAST
+        return self.math("GREATER_THAN", self.node("LightPath").outputs["Ray Depth"], max(limit, 1) - 0.5)
 
     def math(self, operation: str, *operands: Any) -> Any:
         """Output of an arithmetic operation."""

@@ -25,6 +25,7 @@ def add_world(environment: Any, background: Any) -> None:
     if background.type != "environment":
         path = graph.node("LightPath")
         seen = graph.math("MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Transmission Ray"])
+        seen = graph.math("MAXIMUM", seen, graph.exhausted())
         light = graph.mix(seen, light, _backdrop(graph, background))
     graph.node("OutputWorld", {"Surface": light})
 

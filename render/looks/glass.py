@@ -1,4 +1,4 @@
-"""Clear or frosted glass."""
+"""Clear or frosted glass, solid or a thin shell."""
 
 from __future__ import annotations
 
@@ -9,4 +9,4 @@ from render.looks.refraction import clear
 
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
-    return clear(graph, rgba(look.color), look.roughness, look.ior), None
+    return clear(graph, rgba(look.color), look.roughness, look.ior, look.thin), None

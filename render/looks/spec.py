@@ -125,6 +125,9 @@ class Glass(Settings):
     """Index of refraction."""
     roughness: Fraction = 0.0
     """0 is clear, 0.3 frosted."""
+    thin: bool = False
+    """A shell much thinner than it is drawn, as a window pane, a light bulb or a bubble: what is behind it is seen
+    unbent, and its edges do not stand out."""
 
 
 OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass)

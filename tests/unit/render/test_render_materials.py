@@ -6,6 +6,7 @@ import pytest
 
 from render.content.materials import PLAIN, default_body_look, make_material
 from render.content.nodes import TINT, rgba
+from render.looks.spec import Glass
 
 RED = (1.0, 0.0, 0.0)
 
@@ -31,3 +32,11 @@ def test_a_colour_of_the_settings_comes_first(color, tinted, shown):
 def test_without_one_the_vertices_give_it(look):
     socket = base_color(look, True)
     assert socket.links[0].from_node.attribute_name == TINT
+
+
+@pytest.mark.parametrize("thin", [False, True])
+def test_only_thin_glass_bends_no_light(thin):
+    look = Glass(type="glass", thin=thin)
+    material = make_material("pane", look, 1.0)
+    bending = [node for node in material.node_tree.nodes if node.type in ("BSDF_GLASS", "BSDF_REFRACTION")]
+    assert (not bending) is thin
