@@ -15,6 +15,8 @@ OLD_NAMES = {
     "Transmission Weight": "Transmission",
     "Coat Weight": "Clearcoat",
     "Coat Roughness": "Clearcoat Roughness",
+    "Coat Normal": "Clearcoat Normal",
+    "Subsurface Weight": "Subsurface",
     "Sheen Weight": "Sheen",
     "Specular IOR Level": "Specular",
     "Factor": "Fac",

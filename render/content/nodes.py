@@ -75,6 +75,10 @@ class Graph:
         limit = bpy.context.scene.cycles.max_bounces - LAST
         return self.math("GREATER_THAN", self.node("LightPath").outputs["Ray Depth"], max(limit, 1) - 0.5)
 
+    def place(self) -> Any:
+        """Where a point of the body is, in metres and in axes that move with it."""
+        return self.node("TexCoord").outputs["Object"]
+
     def math(self, operation: str, *operands: Any) -> Any:
         """Output of an arithmetic operation."""
         return self.node("Math", dict(enumerate(operands)), operation=operation).outputs[0]

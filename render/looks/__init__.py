@@ -22,6 +22,11 @@ LOOKS = {
     "matte": "render.looks.matte:build",
     "cloth": "render.looks.cloth:build",
     "glass": "render.looks.glass:build",
+    "wood": "render.looks.wood:build",
+    "rubber": "render.looks.rubber:build",
+    "paper": "render.looks.paper:build",
+    "ceramic": "render.looks.ceramic:build",
+    "lemon": "render.looks.lemon:build",
 }
 """By the type that they have in a scene."""
 

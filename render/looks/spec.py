@@ -130,7 +130,75 @@ class Glass(Settings):
     unbent, and its edges do not stand out."""
 
 
-OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass)
+class Wood(PrincipledLook):
+    """Sawn wood, with annual rings and fibres."""
+
+    type: Literal["wood"]
+    color: Color = srgb("#cfa878")
+    """Of the light wood that grows in spring."""
+    roughness: Fraction = 0.5
+    """0 is polished, 0.5 planed, 0.8 rough-sawn."""
+    grain: PositiveLength | None = None
+    """Width of an annual ring [m]; without it, three hundredths of the body's diagonal."""
+    along: Literal["x", "y", "z"] = "x"
+    """Axis of the trunk, as the body is placed."""
+    varnish: Fraction = 0.0
+    """Strength of a clear, glossy coat."""
+
+
+class Rubber(PrincipledLook):
+    """Rubber: a soft gloss, not quite even."""
+
+    type: Literal["rubber"]
+    color: Color = srgb("#2b2b2e")
+    roughness: Fraction = 0.5
+    """0.3 is new and wet, 0.5 a ball, 0.8 a worn tyre."""
+    grain: PositiveLength | None = None
+    """Size of its unevenness [m]; without it, six thousandths of the body's diagonal."""
+
+
+class Paper(PrincipledLook):
+    """Paper or cardboard, letting some light through; of sheets and of bodies."""
+
+    type: Literal["paper"]
+    color: Color = srgb("#f1ece0")
+    roughness: Fraction = 0.85
+    """0.3 is coated, 0.85 uncoated."""
+    grain: PositiveLength | None = None
+    """Size of the clouds in which its fibres lie [m]; without it, two hundredths of the body's diagonal, and of sheets
+    of that of the action."""
+    translucency: Fraction = 0.2
+    """Share of the light that comes through to the other side; 0 is cardboard, 0.4 tissue."""
+
+
+class Ceramic(PrincipledLook):
+    """Glazed ceramic, plain or with specks."""
+
+    type: Literal["ceramic"]
+    color: Color = srgb("#e8e2d6")
+    roughness: Fraction = 0.04
+    """Of the glaze; 0 is a mirror, 0.3 a matt glaze."""
+    specks: Fraction = 0.0
+    """Share of places for a dark speck that have one; 0.4 is stoneware."""
+    grain: PositiveLength | None = None
+    """Distance of these places [m]; without it, twelve thousandths of the body's diagonal."""
+
+
+class Lemon(PrincipledLook):
+    """The skin of a lemon, or by its colour of an orange or a lime: pits, wax, and light that shines through."""
+
+    type: Literal["lemon"]
+    color: Color = srgb("#f6d728")
+    roughness: Fraction = 0.4
+    grain: PositiveLength | None = None
+    """Distance of its pits [m]; without it, 22 thousandths of the body's diagonal."""
+    wax: Fraction = 0.3
+    """Strength of a glossy film of wax."""
+    translucency: Fraction = 0.4
+    """Share of the light that wanders about below the skin before it comes out."""
+
+
+OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon)
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""
 

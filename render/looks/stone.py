@@ -12,7 +12,7 @@ STAINS = 0.2
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
     per_metre = 1 / (look.grain or STAINS * size)
-    place = graph.node("TexCoord").outputs["Object"]
+    place = graph.place()
     stains = graph.node("TexNoise", {"Vector": place, "Scale": per_metre, "Detail": 6.0}).outputs[0]
     grains = graph.node("TexNoise", {"Vector": place, "Scale": 10 * per_metre, "Detail": 8.0}).outputs[0]
     red, green, blue, _ = rgba(look.color)

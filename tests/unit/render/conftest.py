@@ -17,7 +17,7 @@ def _write_mesh(path, names, vertices, triangles):
     return path
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def write_mesh():
     return _write_mesh
 
