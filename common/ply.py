@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -124,24 +124,33 @@ def write_mesh(
     faces: np.ndarray,
     colors: np.ndarray | None = None,
     velocities: np.ndarray | None = None,
+    more: Mapping[str, np.ndarray] | None = None,
 ) -> None:
     """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3].
 
     `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out. `velocities` of the vertices
-    [m/s], shape [n, 3].
+    [m/s], shape [n, 3]. `more`: numbers of the vertices by the names of their properties, shape [n] each.
     """
+    more = more or {}
     channels = () if colors is None else ("red", "green", "blue")
     rates = () if velocities is None else ("vx", "vy", "vz")
     points = np.empty(
         len(vertices),
-        dtype=[("place", "<f4", (3,)), ("velocity", "<f4", (len(rates),)), ("color", "u1", (len(channels),))],
+        dtype=[
+            ("place", "<f4", (3,)),
+            ("velocity", "<f4", (len(rates),)),
+            ("more", "<f4", (len(more),)),
+            ("color", "u1", (len(channels),)),
+        ],
     )
     points["place"] = vertices
     if velocities is not None:
         points["velocity"] = velocities
+    for index, values in enumerate(more.values()):
+        points["more"][:, index] = values
     if colors is not None:
         points["color"] = colors[:, :3]
-    kinds = [f"float {name}" for name in ("x", "y", "z", *rates)] + [f"uchar {channel}" for channel in channels]
+    kinds = [f"float {name}" for name in ("x", "y", "z", *rates, *more)] + [f"uchar {channel}" for channel in channels]
     with whole(path) as stream:
         _write_mesh(stream, points, kinds, faces)
 

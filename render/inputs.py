@@ -112,6 +112,11 @@ class Inputs:
         path = self.simulation / f"cloth_{name}_{frame:05d}.ply"
         return path if path.exists() else None
 
+    def first_of_sheet(self, name: str) -> Path:
+        """Mesh of a cloth sheet in the first frame that has it."""
+        paths = self.simulation.glob(f"cloth_{name}_*.ply")
+        return min(path for path in paths if re.fullmatch(rf"cloth_{re.escape(name)}_\d+", path.stem))
+
     def water(self, frame: int) -> Path | None:
         """The water's surface in a frame; None for a scene without fluid."""
         return None if self.surface is None else self.surface / f"surface_{frame:05d}.ply"

@@ -9,7 +9,6 @@ from typing import Any
 
 from render.blender.engine import configure
 from render.blender.session import bpy, check, release, silenced
-from render.content.meshes import add_object, build_mesh, replace_mesh
 from render.content.motion import show_only
 from render.content.scene import Scene, plain
 from render.errors import RenderError, Unusable
@@ -70,14 +69,16 @@ def _write_geometry(scene: Scene, job: Job, path: Path, report: Report) -> None:
 
     def place(frame: int) -> None:
         for name, mesh in scene.read(frame).items():
-            thing, material = scene.moving()[name]
-            shape = _nothing(name) if mesh is None or len(mesh.triangles) == 0 else build_mesh(name, mesh)
-            replace_mesh(thing, shape, material)
-            thing.data.name = name
+            moving = scene.moving()[name]
+            if mesh is None or len(mesh.triangles) == 0:
+                moving.take(_nothing(name), None)
+            else:
+                moving.take(moving.build(mesh, name), mesh)
+            moving.thing.data.name = name
         report({"frame": frame, "wall_s": 0.0})
 
-    for thing, _ in scene.moving().values():
-        thing.modifiers.new("sampled", "TRIANGULATE")
+    for moving in scene.moving().values():
+        moving.thing.modifiers.new("sampled", "TRIANGULATE")
     bpy.app.handlers.frame_change_pre.append(bring)
     if path.suffix == ".abc":
         frames = {"start": job.first, "end": job.last}
@@ -105,14 +106,13 @@ def _nothing(name: str) -> Any:
 
 def _write_blend(scene: Scene, job: Job, path: Path, report: Report) -> None:
     """What changes its shape is one object a frame, in sight in that frame alone: it needs no files and no scripts."""
-    materials = {name: material for name, (_, material) in scene.moving().items()}
-    for thing, _ in scene.moving().values():
-        bpy.data.objects.remove(thing)
+    for moving in scene.moving().values():
+        bpy.data.objects.remove(moving.thing)
     for frame in job.frames():
         for name, mesh in scene.read(frame).items():
             if mesh is None or len(mesh.triangles) == 0:
                 continue
-            thing = add_object(f"{name}_{frame:05d}", build_mesh(name, mesh), materials[name])
+            thing = scene.moving()[name].copy(mesh, f"{name}_{frame:05d}")
             for when, seen in ((frame - 1, False), (frame, True), (frame + 1, False)):
                 show_only(thing, seen, when)
         report({"frame": frame, "wall_s": 0.0})

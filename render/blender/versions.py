@@ -59,6 +59,13 @@ def absorb_evenly(material: Any) -> None:
         material.cycles.homogeneous_volume = True
 
 
+def color_below_surface(tree: Any, shader: Any) -> None:
+    """Let light that wanders below a surface take on its colour; until 3.6 it had one of its own."""
+    below = shader.inputs.get("Subsurface Color")
+    if below is not None:
+        tree.links.new(shader.inputs["Base Color"].links[0].from_socket, below)
+
+
 def count_corners(mesh: Any, faces: int) -> None:
     """Say of a new mesh that its faces are triangles; since 4.1 their first corners say so."""
     if bpy.app.version < (4, 1, 0):

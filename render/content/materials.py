@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import colorsys
+import zlib
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,16 +14,22 @@ from render.looks import load_look
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
 """Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
+HUES = 0.25
+"""Share of the circle of hues by which a full variation turns them, either way."""
 PLAIN = (0.894118, 0.341176, 0.180392)
 """Colour (sRGB) of what has none of its own, where the look leaves it open."""
 
 
-def make_material(name: str, look: Any, size: float, tinted: bool = False) -> Any:
-    """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours."""
+def make_material(
+    name: str, look: Any, size: float, tinted: bool = False, rests: bool = False, thick: bool = False
+) -> Any:
+    """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours. `rests`
+    and `thick` are of sheets, as Graph has them."""
     if getattr(look, "color", PLAIN) is None and not tinted:
         look = SimpleNamespace(**vars(look) | {"color": PLAIN})
+    look = _varied(look, name)
     material = bpy.data.materials.new(name)
-    graph = Graph.new(material)
+    graph = Graph.new(material, rests, thick)
     surface, volume = load_look(look)(graph, look, size)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)
@@ -32,6 +40,19 @@ def make_material(name: str, look: Any, size: float, tinted: bool = False) -> An
     return material
 
 
+def _varied(look: Any, name: str) -> Any:
+    """The look with the colour that it has on a body or sheet of this name."""
+    variation = getattr(look, "variation", 0.0)
+    if variation == 0 or look.color is None:
+        return look
+    # of a checksum, since hashes of strings differ from process to process
+    turn, gain = (zlib.crc32(f"{of} of {name}".encode()) / 2**31 - 1 for of in ("hue", "brightness"))
+    hue, saturation, value = colorsys.rgb_to_hsv(*look.color)
+    brighter = min(value * (1 + variation * gain), 1.0)
+    color = colorsys.hsv_to_rgb((hue + HUES * variation * turn) % 1, saturation, brighter)
+    return SimpleNamespace(**vars(look) | {"color": color})
+
+
 def default_body_look(index: int, tinted: bool = False) -> Any:
     """Look of the index-th rigid body when the scene names none; `tinted` if its vertices have colours."""
     return SimpleNamespace(type="plastic", color=None if tinted else PALETTE[index % len(PALETTE)], roughness=0.3)
@@ -40,4 +61,5 @@ def default_body_look(index: int, tinted: bool = False) -> Any:
 def default_sheet_look(index: int) -> Any:
     """Look of the index-th sheet when the scene names none."""
     color = PALETTE[(index + 3) % len(PALETTE)]
-    return SimpleNamespace(type="cloth", color=color, roughness=0.8, sheen=0.3, translucency=0.15)
+    look = {"type": "cloth", "color": color, "back": None, "roughness": 0.8, "sheen": 0.3, "translucency": 0.15}
+    return SimpleNamespace(**look, thickness=None, weave=None, hem=None)

@@ -91,25 +91,26 @@ def sharpen(mesh: Any) -> None:
     versions.show_edges(mesh, SHARP_ANGLE)
 
 
-def add_object(name: str, mesh: Any, material: Any) -> Any:
-    """Put a mesh into the scene."""
+def add_object(name: str, mesh: Any, *materials: Any) -> Any:
+    """Put a mesh into the scene; its faces have the first of the materials."""
     thing = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(thing)
-    dress(thing, material)
+    dress(thing, *materials)
     return thing
 
 
-def dress(thing: Any, material: Any) -> None:
-    """Give an object its material, whatever mesh it has next: the slot belongs to the object."""
-    if not thing.data.materials:
+def dress(thing: Any, *materials: Any) -> None:
+    """Give an object its materials, whatever mesh it has next: the slots belong to the object."""
+    while len(thing.data.materials) < len(materials):
         thing.data.materials.append(None)
-    thing.material_slots[0].link = "OBJECT"
-    thing.material_slots[0].material = material
+    for slot, material in zip(thing.material_slots, materials, strict=True):
+        slot.link = "OBJECT"
+        slot.material = material
 
 
-def replace_mesh(thing: Any, mesh: Any, material: Any) -> None:
+def replace_mesh(thing: Any, mesh: Any, *materials: Any) -> None:
     """Exchange an object's mesh and free the old one."""
     old = thing.data
     thing.data = mesh
     bpy.data.meshes.remove(old)
-    dress(thing, material)
+    dress(thing, *materials)

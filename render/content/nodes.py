@@ -24,16 +24,27 @@ def _linear(channel: float) -> float:
     return channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4
 
 
-class Graph:
-    """The nodes of a material or world. An input takes a value or another node's output."""
+REST = "rest"
+"""Likewise, with the places of their points in the cloth at rest [m]: a sheet lies in the first two axes."""
+RIM = "rim"
+"""Likewise, with the distances of their points from its rim [m]."""
 
-    def __init__(self, tree: Any):
+
+class Graph:
+    """The nodes of a material or world. An input takes a value or another node's output.
+
+    `rests`: of a mesh with REST and RIM. `thick`: of a sheet that is drawn with a thickness, so that it has an inside.
+    """
+
+    def __init__(self, tree: Any, rests: bool = False, thick: bool = False):
         self.tree = tree
+        self.rests = rests
+        self.thick = thick
 
     @classmethod
-    def new(cls, owner: Any) -> Graph:
+    def new(cls, owner: Any, rests: bool = False, thick: bool = False) -> Graph:
         """The empty graph of a new material or world."""
-        return cls(versions.empty_nodes(owner))
+        return cls(versions.empty_nodes(owner), rests, thick)
 
     def node(self, kind: str, inputs: Mapping[str, Any] | Mapping[int, Any] | None = None, **properties: Any) -> Any:
         """Add a node; inputs are named, or numbered where names repeat."""
@@ -76,8 +87,14 @@ class Graph:
         return self.math("GREATER_THAN", self.node("LightPath").outputs["Ray Depth"], max(limit, 1) - 0.5)
 
     def place(self) -> Any:
-        """Where a point of the body is, in metres and in axes that move with it."""
+        """Where a point of the body is, in metres and in axes that move with it; of a sheet, where in the cloth."""
+        if self.rests:
+            return self.node("Attribute", attribute_name=REST).outputs["Vector"]
         return self.node("TexCoord").outputs["Object"]
+
+    def rim(self) -> Any:
+        """How far a point of a sheet is from its rim, in the cloth [m]."""
+        return self.node("Attribute", attribute_name=RIM).outputs["Fac"]
 
     def math(self, operation: str, *operands: Any) -> Any:
         """Output of an arithmetic operation."""
@@ -91,6 +108,10 @@ class Graph:
     def mix(self, share: Any, first: Any, second: Any) -> Any:
         """Blend of two shaders: `second` where `share` is 1."""
         return self.node("MixShader", {0: share, 1: first, 2: second}).outputs[0]
+
+    def blend(self, share: Any, first: Any, second: Any) -> Any:
+        """Blend of two numbers: `second` where `share` is 1."""
+        return self.math("MULTIPLY_ADD", share, self.math("SUBTRACT", second, first), first)
 
     def mix_colors(self, share: Any, first: Any, second: Any) -> Any:
         """Blend of two linear colours: `second` where `share` is 1."""

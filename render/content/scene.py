@@ -9,13 +9,15 @@ from render.blender.session import bpy
 from render.content.axes import triple, z_up
 from render.content.bodies import Body
 from render.content.camera import Camera
+from render.content.changing.foam import Foam
+from render.content.changing.meshes import MovingMesh
+from render.content.changing.sheets import Sheet
 from render.content.containers import add_container, wall_thickness
-from render.content.foam import Foam
 from render.content.framing import view_of
 from render.content.ground import add_ground
 from render.content.lights import add_lights
 from render.content.materials import default_body_look, default_sheet_look, make_material
-from render.content.meshes import COLOR_COLUMNS, add_object, build_mesh, replace_mesh
+from render.content.meshes import COLOR_COLUMNS
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.content.world import add_world
 from render.errors import Unusable
@@ -40,7 +42,7 @@ class Scene:
         self.fps = fps
         self.box = inputs.extent()
         self._bodies: dict[str, Body] = {}
-        self._moving_meshes: dict[str, tuple[Any, Any]] = {}
+        self._moving_meshes: dict[str, MovingMesh] = {}
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()
@@ -63,13 +65,8 @@ class Scene:
         self._camera.show(frame, exposure, self.fps)
         for name, body in self._bodies.items():
             body.show(poses.get(name), frame, exposure, self.fps)
-        for name, (thing, material) in self._moving_meshes.items():
-            source = meshes[name]
-            if source is None or len(source.triangles) == 0:
-                thing.hide_render = True
-            else:
-                thing.hide_render = False
-                replace_mesh(thing, build_mesh(name, source), material)
+        for name, moving in self._moving_meshes.items():
+            moving.show(meshes[name])
         foam = meshes.get("foam")
         if self._foam is not None and foam is not None:
             self._foam.show(foam)
@@ -88,8 +85,8 @@ class Scene:
         for name, body in self._bodies.items():
             body.key(poses.get(name), frame)
 
-    def moving(self) -> dict[str, tuple[Any, Any]]:
-        """What changes its shape, with its material, by the names that `read` gives."""
+    def moving(self) -> dict[str, MovingMesh]:
+        """What changes its shape, by the names that `read` gives."""
         return self._moving_meshes
 
     def _look(self, name: str, default: Any) -> Any:
@@ -139,17 +136,16 @@ class Scene:
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:
-            self._add_moving_mesh("water", make_material("water", self.settings.water, self.box.diagonal))
+            look = self.settings.water
+            self._moving_meshes["water"] = MovingMesh("water", make_material("water", look, self.box.diagonal))
         for index, name in enumerate(self.inputs.sheets()):
             look = self._look(name, default_sheet_look(index))
-            self._add_moving_mesh("cloth_" + name, make_material(name, look, self.box.diagonal))
+            first = read_mesh(self.inputs.first_of_sheet(name))
+            self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal)
 
     def _make_foam(self) -> Foam:
         material = make_material("foam", self.settings.foam, self.box.diagonal)
         return Foam(material, meshes="motion" in self.settings.passes)
-
-    def _add_moving_mesh(self, name: str, material: Any) -> None:
-        self._moving_meshes[name] = add_object(name, bpy.data.meshes.new(name), material), material
 
 
 def _bounds(source: TriangleMesh) -> Box:

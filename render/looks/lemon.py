@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from render.blender import versions
 from render.content.nodes import Graph, rgba
 
 PORES = 0.022
@@ -28,6 +29,8 @@ def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
     skin = graph.mix_colors(graph.math("MULTIPLY", graph.ramp(pits, 0.25, 0.0), 0.35), skin, (red, 0.8 * green, 0.0, 1))
     inputs = {"Base Color": skin, "Roughness": look.roughness, "IOR": WAX, "Normal": bump}
     inputs |= {"Coat Weight": look.wax, "Coat Roughness": 0.5 * look.roughness, "Coat IOR": WAX, "Coat Normal": bump}
-    inputs |= {"Subsurface Weight": look.translucency, "Subsurface Color": skin, "Subsurface Scale": 1.0}
+    inputs |= {"Subsurface Weight": look.translucency, "Subsurface Scale": 1.0}
     inputs |= {"Subsurface Radius": tuple(SPREAD * size * share for share in FARTHER)}
-    return graph.node("BsdfPrincipled", inputs).outputs[0], None
+    shader = graph.node("BsdfPrincipled", inputs)
+    versions.color_below_surface(graph.tree, shader)
+    return shader.outputs[0], None

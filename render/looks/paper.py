@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from render.content.nodes import Graph, rgba
+from render.looks.translucency import lit_through
 
 GRAIN = 0.02
 """Size of the clouds of fibres over the diagonal, unless set."""
@@ -23,5 +24,4 @@ def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
     bump = graph.node("Bump", {"Strength": 0.3, "Distance": 0.02 / per_cloud, "Height": fibres}).outputs[0]
     inputs = {"Base Color": color, "Roughness": look.roughness, "IOR": CELLULOSE, "Normal": bump}
     sheet = graph.node("BsdfPrincipled", inputs).outputs[0]
-    backlit = graph.node("BsdfTranslucent", {"Color": color}).outputs[0]
-    return graph.mix(look.translucency, sheet, backlit), None
+    return lit_through(graph, look.translucency, sheet, color), None

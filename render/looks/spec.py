@@ -13,9 +13,10 @@ from common.registry import added
 from render.color import Color, srgb
 from scene.diagnostics.suggestions import suggestion
 from scene.settings import Settings, type_names
-from scene.units import Dimensionless, PositiveLength
+from scene.units import Dimensionless, Length, PositiveLength
 
 Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
+SizeOrNone = Annotated[Length, Ge(0)]
 RefractiveIndex = Annotated[Dimensionless, Ge(1), Le(4)]
 
 
@@ -44,7 +45,15 @@ PRINCIPLED_NUMBERS = (
 )
 
 
-class PrincipledLook(Settings):
+class VariedLook(Settings):
+    """A look whose colour differs from body to body."""
+
+    variation: Fraction = 0.0
+    """How much `color` differs between bodies and sheets that have this look, by their names: 0.1 turns its hue by up
+    to 9 degrees and makes it up to 10 % darker or brighter."""
+
+
+class PrincipledLook(VariedLook):
     """A look that Blender's Principled BSDF makes."""
 
     principled: dict[str, Dimensionless | Color] = {}
@@ -95,7 +104,7 @@ class Stone(PrincipledLook):
     """Size of the stains [m]; the grains are a tenth of it. Without it, a fifth of the body's diagonal."""
 
 
-class Matte(Settings):
+class Matte(VariedLook):
     """Chalk, paper, clay: no gloss at all."""
 
     type: Literal["matte"]
@@ -107,15 +116,24 @@ class ClothLook(PrincipledLook):
 
     type: Literal["cloth"]
     color: Color = srgb("#b23a48")
+    back: Color | None = None
+    """Colour of the other side, a sheet's own lower one, in place of `color`."""
     roughness: Fraction = 0.8
     """Of the sheen; 0.3 is satin, 1 felt."""
     sheen: Fraction = 0.3
     """Strength of the sheen."""
     translucency: Fraction = 0.15
     """Share of the light that comes through to the other side."""
+    thickness: PositiveLength | None = None
+    """Of a sheet as drawn [m]; without it, nine tenths of its `thickness` in the simulation."""
+    weave: SizeOrNone | None = None
+    """Distance of the threads [m], warp and weft, 0 for none; without it, a 250th of a sheet's diagonal. Sheets alone
+    show it: a mesh that is not flat at rest as if it were woven flat, and then bent across its shortest side."""
+    hem: SizeOrNone | None = None
+    """Width of the hem along the rim of a sheet [m], 0 for none; without it, a fiftieth of the diagonal."""
 
 
-class Glass(Settings):
+class Glass(VariedLook):
     """Clear glass."""
 
     type: Literal["glass"]
@@ -137,7 +155,7 @@ class Wood(PrincipledLook):
     color: Color = srgb("#cfa878")
     """Of the light wood that grows in spring."""
     roughness: Fraction = 0.5
-    """0 is polished, 0.5 planed, 0.8 rough-sawn."""
+    """0 is polished, 0.5 sanded, 0.8 rough-sawn."""
     grain: PositiveLength | None = None
     """Width of an annual ring [m]; without it, three hundredths of the body's diagonal."""
     along: Literal["x", "y", "z"] = "x"
@@ -165,10 +183,11 @@ class Paper(PrincipledLook):
     roughness: Fraction = 0.85
     """0.3 is coated, 0.85 uncoated."""
     grain: PositiveLength | None = None
-    """Size of the clouds in which its fibres lie [m]; without it, two hundredths of the body's diagonal, and of sheets
-    of that of the action."""
+    """Size of the clouds in which its fibres lie [m]; without it, two hundredths of the body's or sheet's diagonal."""
     translucency: Fraction = 0.2
     """Share of the light that comes through to the other side; 0 is cardboard, 0.4 tissue."""
+    thickness: PositiveLength | None = None
+    """Of a sheet as drawn [m]; without it, nine tenths of its `thickness` in the simulation."""
 
 
 class Ceramic(PrincipledLook):

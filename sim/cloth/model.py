@@ -22,6 +22,7 @@ from sim.cloth.fabric.pin_places import put
 from sim.cloth.fabric.pins import MovedPoints, find_pins, refuse_jump
 from sim.cloth.fabric.state import ClothState
 from sim.cloth.spec import Cloth, ClothSheet
+from sim.geometry.pose import Pose
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,12 @@ class PlacedSheet:
     def begins(self) -> np.ndarray:
         """Where its points begin [m], shape [n, 3]."""
         return self.fabric.points if self.moved is None else self.moved
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Where its points are in the cloth when that is at rest, in the sheet's own axes [m], shape [n, 3]."""
+        pose = Pose.of(self.sheet)
+        return self.sheet.rest_scale * pose.scale * pose.to_local(self.fabric.points)
 
     @property
     def bounds(self) -> np.ndarray:

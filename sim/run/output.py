@@ -146,7 +146,9 @@ class Output:
             write_points(files["fluid"], fluid_points(world))
         for sheet in world.sheets:
             vertices, velocities = given(world.cloth).vertices(sheet.name)
-            write_mesh(files[f"cloth_{sheet.name}"], vertices, sheet.fabric.triangles, velocities=velocities)
+            more = {f"rest_{axis}": sheet.rest[:, k] for k, axis in enumerate("xyz")}
+            more["thickness"] = np.full(len(vertices), sheet.sheet.thickness)
+            write_mesh(files[f"cloth_{sheet.name}"], vertices, sheet.fabric.triangles, velocities=velocities, more=more)
         placed = world.obstacles.placed
         for item in placed:
             self._mesh(item.name, "container" if item.hollow else "body", item)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from common.ply import write_mesh
+from common.ply import read_mesh, write_mesh
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]])
 FACES = np.array([[0, 1, 2]])
@@ -23,3 +23,15 @@ def test_what_is_written_can_be_read(tmp_path, colors, vertex_size):
     assert (mesh.faces == FACES).all()
     if colors is not None:
         assert (mesh.visual.vertex_colors == colors).all()
+
+
+def test_more_numbers_of_vertices_keep_their_names(tmp_path):
+    path = tmp_path / "cloth.ply"
+    write_mesh(
+        path, VERTICES, FACES, velocities=-VERTICES, more={"thickness": np.array([1, 2, 3]), "rest_x": np.ones(3)}
+    )
+    points, faces = read_mesh(path)
+    assert points.dtype.names == ("x", "y", "z", "vx", "vy", "vz", "thickness", "rest_x")
+    assert points["thickness"].tolist() == [1, 2, 3]
+    assert points["vz"].tolist() == [0, 0, -0.5]
+    assert (faces == FACES).all()
