@@ -217,6 +217,8 @@ class Lemon(PrincipledLook):
     """Share of the light that wanders about below the skin before it comes out."""
 
 
+OF_SHEETS = ("back", "thickness", "weave", "hem")
+"""Settings that looks have for sheets alone."""
 OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon)
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""

@@ -8,8 +8,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from render.looks.spec import OF_SHEETS
 from scene.document import Location
 from scene.load import Scene
+from scene.names import resolve
 from scene.settings import Caution, Settings, choices
 from sim.cloth.spec import Cloth
 from sim.fluid.spec import Fluid
@@ -110,6 +112,19 @@ def cautions(scene: Scene) -> Iterator[Caution]:
                 value = _value(whole, on)
                 if not dependence.counts(value) and on not in varied:
                     yield Caution(f"changes nothing: {dependence.because.format(value=value)}", place)
+    yield from _of_sheets_alone(scene)
+
+
+def _of_sheets_alone(scene: Scene) -> Iterator[Caution]:
+    """One for each setting of a look that only sheets show, on something else."""
+    found = resolve(scene.simulation)
+    sheets = {name for name, item in found.items() if item.kind == "a sheet of cloth"}
+    looks = (("render", "materials", ANY), ("render", "ground", "material"), ("render", "water"), ("render", "foam"))
+    for look in looks:
+        for setting in OF_SHEETS:
+            for place in _given(scene.document.data, (*look, setting)):
+                if place[:2] != ("render", "materials") or place[2] not in sheets:
+                    yield Caution("changes nothing: only a sheet of cloth shows it: remove it", place)
 
 
 def _given(data: Any, setting: Location) -> Iterator[Location]:

@@ -32,6 +32,14 @@ ADDED = {
         "probes: {p: {type: force, body: ball, region: {low: [1, 1, 1], high: [2, 2, 2]}}}",
         "probes.p.region: 'p' looks at a region in which 'ball' never is",
     ),
+    "hem of a body": (
+        "render: {materials: {ball: {type: cloth, hem: 0.01}}}",
+        "render.materials.ball.hem: changes nothing: only a sheet of cloth shows it",
+    ),
+    "back of the ground": (
+        "render: {ground: {material: {type: cloth, back: '#ff0000'}}}",
+        "render.ground.material.back: changes nothing: only a sheet of cloth shows it",
+    ),
     "camera in a body": (
         "render: {camera: {position: [0, 0.2, 0.1], target: [0, 0, 0]}}",
         "render.camera.position: the camera begins inside 'ball'",
