@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from render.camera_settings import Camera, camera_is_there, changed
 from render.color import Color, srgb
 from render.looks.spec import Fraction, Look, Matte, Water
+from render.sets import Set, with_set
 from scene.settings import Name, Settings
 from scene.units import Angle, Dimensionless, Length, Position, PositiveLength, Unit
 
@@ -92,13 +93,17 @@ class Lights(Settings):
 
     sun: Sun = Sun()
     areas: tuple[AreaLight, ...] = ()
+    softboxes: Irradiance = 0.0
+    """Three large lamps around the action, as far from it as it is large: irradiance by the key light, left of the
+    camera, of a surface that faces it [W/m^2]. The fill light, right of it, has a third of that, the rim light, behind
+    the action, two thirds; 0 leaves them out."""
     environment: Environment = Environment()
 
     @model_validator(mode="after")
     def _not_dark(self) -> Self:
-        lit = (self.sun.strength, self.environment.strength, *(area.power for area in self.areas))
-        if not any(lit):
-            raise ValueError("no light is left: keep the sun, the environment or an area light")
+        lamps = (self.sun.strength, self.softboxes, *(area.power for area in self.areas))
+        if not any((*lamps, self.environment.strength)):
+            raise ValueError("no light is left: keep the sun, the environment, the softboxes or an area light")
         return self
 
 
@@ -106,6 +111,8 @@ class EnvironmentBackground(Settings):
     """The panorama of the environment itself."""
 
     type: Literal["environment"]
+    blur: Annotated[Angle, Ge(0), Le(60)] = 0.0
+    """As of a lens that is focused on the action: apparent diameter of what a point becomes."""
 
 
 class PlainBackground(Settings):
@@ -185,6 +192,10 @@ class RenderSpec(Settings):
     exposure: Annotated[Dimensionless, Ge(-20), Le(20)] = 0.0
     """In stops: each one doubles the brightness."""
     camera: Annotated[Camera, BeforeValidator(camera_is_there)] = Camera()
+    set: Set = "none"
+    """Surroundings of the action, sized with it: `studio`, a sweep without an edge and soft lamps; `table`, a wood top
+    in a room; `tiles`, a tiled floor with walls; `pool`, a tiled basin; `garden`, a terrace in the grass. A set gives
+    other defaults for `ground`, `lights` and `background`; what is written there goes above them, key by key."""
     lights: Lights = Lights()
     background: Background = GradientBackground(type="gradient")
     """What the camera sees behind the scene."""
@@ -196,6 +207,11 @@ class RenderSpec(Settings):
     walls: Walls = Walls()
     materials: dict[Name, Look] = Field(default_factory=dict)
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _open_settings_are_those_of_the_set(cls, data: Any) -> Any:
+        return with_set(data)
 
     @model_validator(mode="after")
     def _passes_can_be_had(self) -> Self:

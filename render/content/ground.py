@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from render.blender.session import bpy
+from render.content.axes import Vector
 from render.content.framing import View
 from render.content.materials import make_material
 from render.content.meshes import add_object
@@ -20,20 +21,29 @@ def add_ground(settings: Any, height: float, box: Box, view: View) -> None:
     """Add the ground at a height [m] below the box of the action."""
     x, y, _ = box.center
     reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
-    material = make_material("ground", settings.material, box.diagonal)
-    _fade(material, NEAR * reach, FAR * reach)
+    add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
+
+
+def add_plain(material: Any, middle: Vector, reach: float) -> None:
+    """Add level ground around a point [m], which cameras look at from no farther than `reach` [m]."""
+    fade(material, NEAR * reach, FAR * reach)
     mesh = bpy.data.meshes.new("ground")
     rim = 1.01 * FAR * reach
     corners = [(-rim, -rim, 0.0), (rim, -rim, 0.0), (rim, rim, 0.0), (-rim, rim, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    add_object("ground", mesh, material).location = (x, y, height)
+    add_object("ground", mesh, material).location = middle
 
 
-def _fade(material: Any, near: float, far: float) -> None:
-    output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
-    opaque = output.inputs["Surface"].links[0].from_socket
-    graph = Graph(material.node_tree)
+def fade(material: Any, near: float, far: float) -> None:
+    """Let a material vanish between two distances from the middle of what it covers [m]."""
+    graph, output, opaque = surface_of(material)
     place = graph.node("TexCoord").outputs["Object"]
     distance = graph.node("VectorMath", {0: place}, operation="LENGTH").outputs["Value"]
     gone = graph.node("BsdfTransparent").outputs[0]
     graph.feed(output, "Surface", graph.mix(graph.ramp(distance, near, far), opaque, gone))
+
+
+def surface_of(material: Any) -> tuple[Graph, Any, Any]:
+    """The graph of a material, its output node, and the shader of the surface that goes there."""
+    output = next(node for node in material.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
+    return Graph(material.node_tree), output, output.inputs["Surface"].links[0].from_socket

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +21,8 @@ from render.content.lights import add_lights
 from render.content.materials import default_body_look, default_sheet_look, make_material
 from render.content.meshes import COLOR_COLUMNS
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
+from render.content.sets import add_set
+from render.content.sets.site import Site
 from render.content.world import add_world
 from render.errors import Unusable
 from render.inputs import Box, Inputs, Pose
@@ -98,10 +102,31 @@ class Scene:
         self._camera = Camera(
             settings.camera, lambda time: view_of(settings.camera, visible, settings.resolution, time)
         )
-        add_lights(settings.lights)
+        add_lights(settings.lights, self.box, view)
         add_world(settings.lights.environment, settings.background)
-        if settings.ground.enabled:
-            add_ground(settings.ground, self._ground(visible), self.box, view)
+        if not settings.ground.enabled:
+            return
+        height = self._ground(visible)
+        if settings.set == "none":
+            add_ground(settings.ground, height, self.box, view)
+        else:
+            add_set(settings.set, self._site(visible, height))
+
+    def _site(self, visible: Box, height: float) -> Site:
+        """Where the set stands, with room for the camera wherever it goes."""
+        settings = self.settings
+        times = [key.at for key in settings.camera.keyframes] or [0.0]
+        x, y, _ = visible.center
+        cameras = (view_of(settings.camera, visible, settings.resolution, time).position for time in times)
+        reach = max(visible.diagonal, *(math.dist(place, (x, y, height)) for place in cameras))
+        return Site(visible, height, reach, settings.ground.material, self._basin())
+
+    def _basin(self) -> Box | None:
+        """The box around containers that are not drawn, where each is a box itself."""
+        meshes = [read_mesh(path) for name, path in self.inputs.containers().items() if self._look(name, None) is None]
+        if not meshes or not all(map(_is_box, meshes)):
+            return None
+        return functools.reduce(Box.joined, map(_bounds, meshes))
 
     def _ground(self, visible: Box) -> float:
         """Height of the ground [m]: that of the scene's floor, or the lowest of what is drawn."""
@@ -154,6 +179,12 @@ def _bounds(source: TriangleMesh) -> Box:
         raise Unusable("a body or container has a mesh without vertices")
     low, high = (z_up([float(bound(column)) for column in columns]) for bound in (min_of, max_of))
     return Box(triple(map(min, low, high)), triple(map(max, low, high)))
+
+
+def _is_box(source: TriangleMesh) -> bool:
+    """Whether a mesh has corners at those of its bounds alone."""
+    columns = ([float(value) for value in source.columns[axis]] for axis in "xyz")
+    return all(len({round(value, 6) for value in column}) == 2 for column in columns)
 
 
 def plain(data: Any) -> Any:

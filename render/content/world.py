@@ -22,22 +22,34 @@ def add_world(environment: Any, background: Any) -> None:
     bpy.context.scene.world = world
     graph = Graph.new(world)
     light = _panorama(graph, environment)
-    if background.type != "environment":
+    if background.type != "environment" or background.blur > 0:
         path = graph.node("LightPath")
         seen = graph.math("MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Transmission Ray"])
         seen = graph.math("MAXIMUM", seen, graph.exhausted())
-        light = graph.mix(seen, light, _backdrop(graph, background))
+        light = graph.mix(seen, light, _backdrop(graph, background, environment))
     graph.node("OutputWorld", {"Surface": light})
 
 
-def _panorama(graph: Graph, settings: Any) -> Any:
+def _panorama(graph: Graph, settings: Any, blur: float = 0.0) -> Any:
+    """The environment's light; `blur` is the apparent diameter of a point of it [deg]."""
     if settings.strength == 0:
         return graph.node("Background", {"Strength": 0.0}).outputs[0]
     ray = graph.node("TexCoord").outputs["Generated"]
     turn = (0.0, 0.0, math.radians(settings.rotation))
     turned = graph.node("Mapping", {"Vector": ray, "Rotation": turn}).outputs[0]
-    image = graph.node("TexEnvironment", {"Vector": turned}, image=_load(settings)).outputs[0]
-    return graph.node("Background", {"Color": image, "Strength": settings.strength}).outputs[0]
+    image = _load(settings)
+    smooth = {"interpolation": "Cubic"} if blur > 0 else {}
+    if blur > 0:
+        _blur(image, blur)
+    color = graph.node("TexEnvironment", {"Vector": turned}, image=image, **smooth).outputs[0]
+    return graph.node("Background", {"Color": color, "Strength": settings.strength}).outputs[0]
+
+
+def _blur(image: Any, diameter: float) -> None:
+    """Leave of a panorama one pixel for each `diameter` [deg], which a cubic spline then smooths."""
+    while image.size[0] > 2 * 360 / diameter and image.size[1] > 2:
+        image.scale(image.size[0] // 2, image.size[1] // 2)
+    image.pack()
 
 
 def _load(settings: Any) -> Any:
@@ -48,7 +60,9 @@ def _studio_light(name: str) -> Path:
     return Path(bpy.utils.system_resource("DATAFILES", path="studiolights/world")) / f"{name}.exr"
 
 
-def _backdrop(graph: Graph, settings: Any) -> Any:
+def _backdrop(graph: Graph, settings: Any, environment: Any) -> Any:
+    if settings.type == "environment":
+        return _panorama(graph, environment, settings.blur)
     if settings.type == "plain":
         color = rgba(settings.color)
     else:

@@ -27,6 +27,8 @@ LOOKS = {
     "paper": "render.looks.paper:build",
     "ceramic": "render.looks.ceramic:build",
     "lemon": "render.looks.lemon:build",
+    "planks": "render.looks.planks:build",
+    "tiles": "render.looks.tiles:build",
 }
 """By the type that they have in a scene."""
 

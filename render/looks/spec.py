@@ -217,9 +217,36 @@ class Lemon(PrincipledLook):
     """Share of the light that wanders about below the skin before it comes out."""
 
 
+class Planks(PrincipledLook):
+    """Boards side by side along x, oiled."""
+
+    type: Literal["planks"]
+    color: Color = srgb("#a9794c")
+    roughness: Fraction = 0.4
+    """0 is polished."""
+    board: PositiveLength | None = None
+    """Width of a board [m]; without it, 0.16 of the body's diagonal, as ground of that of the box of the action."""
+
+
+class Tiles(PrincipledLook):
+    """Square tiles with joints."""
+
+    type: Literal["tiles"]
+    color: Color = srgb("#e6e8e6")
+    joint: Color = srgb("#9aa1a3")
+    """Colour of the joints."""
+    roughness: Fraction = 0.12
+    """Of the tiles: 0 is glazed, 0.8 rough stone."""
+    edge: PositiveLength | None = None
+    """Of a tile, with its joint [m]; without it, 0.07 of the body's diagonal, as ground of that of the box of the
+    action."""
+    variation: Fraction = 0.15
+    """How much tiles differ in colour."""
+
+
 OF_SHEETS = ("back", "thickness", "weave", "hem")
 """Settings that looks have for sheets alone."""
-OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon)
+OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles)
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""
 

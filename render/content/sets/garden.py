@@ -1,0 +1,68 @@
+"""A terrace of slabs, and grass around it, no blade of which is higher than the terrace."""
+
+from __future__ import annotations
+
+import math
+import random
+from types import SimpleNamespace
+from typing import Any
+
+from render.content.axes import Vector
+from render.content.ground import add_plain, surface_of
+from render.content.materials import make_material
+from render.content.nodes import rgba
+from render.content.sets.site import Site, add_mesh, add_slab
+
+MARGIN = 0.35
+"""Of the terrace around the action, over the size of the action."""
+STEP = 0.035
+"""Height of the terrace above the soil, likewise."""
+LAWN = 3.0
+"""How far from the middle blades grow, likewise; farther off the soil alone is green."""
+BLADES = 90_000
+GREEN = SimpleNamespace(type="matte", color=(0.33, 0.45, 0.18))
+
+
+def build(site: Site) -> None:
+    x, y, top = site.middle
+    half, step = site.beside(MARGIN * site.size), STEP * site.size
+    add_slab("ground", half, 1.5 * step, make_material("ground", site.look, site.size), site.middle)
+    soil = (x, y, top - step)
+    add_plain(_green("soil", site.size), soil, site.reach)
+    corners, faces = _blades(half, step, max(LAWN * site.size, 1.2 * max(half)))
+    add_mesh("grass", corners, faces, _green("grass", site.size), soil)
+
+
+def _green(name: str, size: float) -> Any:
+    """Grass, in spots of lighter and darker green."""
+    material = make_material(name, GREEN, size)
+    graph, output, _ = surface_of(material)
+    place = graph.node("TexCoord").outputs["Object"]
+    spots = graph.node("TexNoise", {"Vector": place, "Scale": 6 / size, "Detail": 4.0}).outputs[0]
+    color = graph.mix_colors(graph.ramp(spots, 0.3, 0.7), rgba((0.24, 0.36, 0.13)), rgba((0.45, 0.55, 0.24)))
+    leaf = graph.node("BsdfDiffuse", {"Color": color}).outputs[0]
+    backlit = graph.node("BsdfTranslucent", {"Color": color}).outputs[0]
+    graph.feed(output, "Surface", graph.mix(0.3, leaf, backlit))
+    return material
+
+
+def _blades(half: tuple[float, float], height: float, far: float) -> tuple[list[Vector], list[tuple[int, ...]]]:
+    """A triangle a blade, outside of the terrace, the denser the nearer: as many at each distance from the middle."""
+    chance = random.Random(0)
+    near = min(half)
+    corners: list[Vector] = []
+    while len(corners) < 3 * BLADES:
+        distance, around = chance.uniform(near, far), chance.uniform(0, 2 * math.pi)
+        x, y = distance * math.cos(around), distance * math.sin(around)
+        if abs(x) < half[0] and abs(y) < half[1]:
+            continue
+        turn, lean = chance.uniform(0, 2 * math.pi), chance.gauss(0, 0.35)
+        tall = height * chance.uniform(0.5, 0.98)
+        wide = 0.12 * height * (0.6 + distance / far)
+        dx, dy = wide * math.cos(turn), wide * math.sin(turn)
+        corners += [
+            (x - dx, y - dy, 0.0),
+            (x + dx, y + dy, 0.0),
+            (x - lean * tall * math.sin(turn), y + lean * tall * math.cos(turn), tall),
+        ]
+    return corners, [(k, k + 1, k + 2) for k in range(0, len(corners), 3)]

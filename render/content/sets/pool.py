@@ -1,0 +1,43 @@
+"""A tiled basin with a stone rim. Where water stands in a container of which no wall is drawn, its walls are those."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+from render.content.ground import add_plain, fade
+from render.content.materials import make_material
+from render.content.sets.site import Site
+from render.content.sets.walls import WIDE, add_strip, seen_from_inside, sides
+
+MARGIN = 0.6
+"""Between the action and a wall, over the size of the action, where no container has one."""
+DEPTH = 0.4
+"""Of the basin, likewise."""
+OVERLAP = 0.002
+"""How far the walls reach into the water, likewise: they then meet without a film of air, which would mirror."""
+RIM = 0.12
+"""Width of the rim, likewise."""
+ROUND = 0.15
+"""Height of its edge over its width."""
+STONE = SimpleNamespace(type="stone", color=(0.83, 0.80, 0.74), roughness=0.7, grain=None)
+DECK = SimpleNamespace(type="stone", color=(0.72, 0.68, 0.62), roughness=0.9, grain=None)
+
+
+def build(site: Site) -> None:
+    add_plain(make_material("ground", site.look, site.size), site.middle, site.reach)
+    half, depth = site.beside(MARGIN * site.size), DEPTH * site.size
+    basin = site
+    if site.basin is not None:
+        basin = Site(site.basin, site.height, site.reach, site.look)
+        half, depth = basin.beside(-OVERLAP * site.size), site.basin.high[2] - site.height
+    width = RIM * site.size
+    lip = ROUND * width
+    for side in sides(half):
+        wall = seen_from_inside(make_material("wall", site.look, site.size), side, basin)
+        add_strip("wall", side, basin, [(0.0, 0.0), (0.0, depth)], wall)
+        rim = seen_from_inside(make_material("rim", STONE, site.size), side, basin)
+        edge = [(0.0, depth), (-lip, depth), (-lip, depth + lip), (width, depth + lip)]
+        add_strip("rim", side, basin, edge, rim)
+        deck = seen_from_inside(make_material("deck", DECK, site.size), side, basin)
+        fade(deck, 1.5 * site.reach, WIDE * site.reach)
+        add_strip("deck", side, basin, [(width, depth + 0.9 * lip), (WIDE * site.reach, depth + 0.9 * lip)], deck)
