@@ -130,7 +130,15 @@ class GradientBackground(Settings):
     zenith: Color = srgb("#a9bfcc")
 
 
-Background = Annotated[EnvironmentBackground | PlainBackground | GradientBackground, Field(discriminator="type")]
+class TransparentBackground(Settings):
+    """Nothing: pictures have an alpha channel, in which the ground leaves only shadows. Clear things let it through."""
+
+    type: Literal["transparent"]
+
+
+Background = Annotated[
+    EnvironmentBackground | PlainBackground | GradientBackground | TransparentBackground, Field(discriminator="type")
+]
 
 
 class Ground(Settings):
@@ -179,6 +187,9 @@ class RenderSpec(Settings):
     bounces: Annotated[int, Ge(2), Le(128)] = 24
     """Surfaces that a light path crosses at most, total reflections included. Through water and glass it then goes
     straight on: with few, drops and the edges of panes look like air."""
+    caustics: bool = False
+    """Light that water and glass focus on what they stand on or hold, from the sun, area lights and softboxes; without
+    it, it passes straight through them, dimmed and tinted, as through a window."""
     motion_blur: bool = True
     """Blur what moves while the shutter is open."""
     shutter: Annotated[Dimensionless, Gt(0), Le(2)] = 0.5

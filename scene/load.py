@@ -220,6 +220,8 @@ def _check_across_stages(scene: Scene) -> None:
     found = resolve(scene.simulation)
     if scene.foam is not None and scene.simulation.fluid is None:
         raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
+    if scene.render.background.type == "transparent":
+        scene.film.refuse_opaque()
     for name in scene.render.named_bodies():
         location = ("render", "materials", name)
         if name in LOOKS and name not in found:

@@ -43,6 +43,8 @@ def run(
     """Write the folder of a film; raises Refused where a frame is missing or a picture cannot be used."""
     watch = Stopwatch()
     film = spec.film
+    if spec.transparent:
+        film.refuse_opaque()
     title = spec.name.rpartition("/")[2]
     with watch.phase("import"):
         from workflow.stages.film import plots, summaries, tables
@@ -62,7 +64,8 @@ def run(
     video = videos["h264"]
     with watch.phase("encode"):
         for name, path in videos.items():
-            make = partial(encode, out / "frames", fps=playback, crf=film.crf, codec=CODECS[name])
+            codec = CODECS[name].transparent() if spec.transparent else CODECS[name]
+            make = partial(encode, out / "frames", fps=playback, crf=film.crf, codec=codec)
             try:
                 write_whole(path, make)
             except EncoderFailed as error:

@@ -51,7 +51,9 @@ def _picture(render: Any, settings: Any, fps: float) -> None:
     render.use_motion_blur = settings.motion_blur
     render.motion_blur_shutter = settings.shutter
     render.use_persistent_data = True
-    versions.take_format(render.image_settings, "PNG", "RGB", "8")
+    transparent = settings.background.type == "transparent"
+    render.film_transparent = bpy.context.scene.cycles.film_transparent_glass = transparent
+    versions.take_format(render.image_settings, "PNG", "RGBA" if transparent else "RGB", "8")
     for stamp in (name for name in dir(render) if name.startswith("use_stamp")):
         setattr(render, stamp, False)
 
@@ -79,8 +81,8 @@ def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.glossy_bounces = settings.bounces
     cycles.diffuse_bounces = min(3, settings.bounces)
     cycles.volume_bounces = 0
-    # clear looks let light through by straight rays instead: see looks/refraction.py
-    cycles.caustics_reflective = cycles.caustics_refractive = False
+    # without caustics, clear looks let light through by straight rays: see looks/refraction.py
+    cycles.caustics_reflective, cycles.caustics_refractive = False, settings.caustics
     cycles.sample_clamp_indirect = settings.firefly_clamp
 
 

@@ -23,7 +23,8 @@ def export_film(job: Job, path: Path, report: Report) -> dict[str, Any]:
     """
     part = path.with_name(f".{path.stem}.part{path.suffix}")
     inputs = Inputs(Path(job.simulation), Path(job.surface) if job.surface else None)
-    settings = plain(job.settings)
+    # these cost what a picture takes: whoever opens the file chooses whether to have them
+    settings = plain(job.settings | {"caustics": False})
     try:
         with silenced(Path(job.log)):
             bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -49,7 +49,7 @@ def passes_beside(path: Path, wanted: bool) -> Iterator[None]:
     part = path.with_name(f".{path.stem}.part.exr")
     picture = render.image_settings.file_format, render.image_settings.color_mode, render.image_settings.color_depth
     render.filepath = str(part)
-    versions.take_format(render.image_settings, "OPEN_EXR_MULTILAYER", "RGB", "32")
+    versions.take_format(render.image_settings, "OPEN_EXR_MULTILAYER", picture[1], "32")
     render.image_settings.exr_codec = "ZIP"
     try:
         yield

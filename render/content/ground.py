@@ -17,21 +17,24 @@ NEAR, FAR = 1.5, 9.0
 """Where the ground begins to fade and where it is gone, over the camera's distance from the action's centre."""
 
 
-def add_ground(settings: Any, height: float, box: Box, view: View) -> None:
-    """Add the ground at a height [m] below the box of the action."""
+def add_ground(settings: Any, height: float, box: Box, view: View) -> Any:
+    """Add the ground at a height [m] below the box of the action; returns the object."""
     x, y, _ = box.center
     reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
-    add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
+    return add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
 
 
-def add_plain(material: Any, middle: Vector, reach: float) -> None:
-    """Add level ground around a point [m], which cameras look at from no farther than `reach` [m]."""
+def add_plain(material: Any, middle: Vector, reach: float) -> Any:
+    """Add level ground around a point [m], which cameras look at from no farther than `reach` [m]; returns the
+    object."""
     fade(material, NEAR * reach, FAR * reach)
     mesh = bpy.data.meshes.new("ground")
     rim = 1.01 * FAR * reach
     corners = [(-rim, -rim, 0.0), (rim, -rim, 0.0), (rim, rim, 0.0), (-rim, rim, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    add_object("ground", mesh, material).location = middle
+    thing = add_object("ground", mesh, material)
+    thing.location = middle
+    return thing
 
 
 def fade(material: Any, near: float, far: float) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 from render.blender import versions
 from render.blender.session import bpy
-from render.content.nodes import Graph, rgba
+from render.content.nodes import Caustics, Graph, rgba
 from render.looks import load_look
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
@@ -21,15 +21,21 @@ PLAIN = (0.894118, 0.341176, 0.180392)
 
 
 def make_material(
-    name: str, look: Any, size: float, tinted: bool = False, rests: bool = False, thick: bool = False
+    name: str,
+    look: Any,
+    size: float,
+    tinted: bool = False,
+    rests: bool = False,
+    thick: bool = False,
+    caustics: Caustics | None = None,
 ) -> Any:
     """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours. `rests`
-    and `thick` are of sheets, as Graph has them."""
+    and `thick` are of sheets, as Graph has them. Without `caustics` light passes straight through what is clear."""
     if getattr(look, "color", PLAIN) is None and not tinted:
         look = SimpleNamespace(**vars(look) | {"color": PLAIN})
     look = _varied(look, name)
     material = bpy.data.materials.new(name)
-    graph = Graph.new(material, rests, thick)
+    graph = Graph.new(material, rests, thick, caustics)
     surface, volume = load_look(look)(graph, look, size)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from render.blender import versions
@@ -30,21 +31,32 @@ RIM = "rim"
 """Likewise, with the distances of their points from its rim [m]."""
 
 
+@dataclass(frozen=True)
+class Caustics:
+    """Clear bodies refract light on its way to what it lights. Where Cycles finds no such way, the sun's light goes
+    straight through, if `toward` is the unit vector towards it, in Blender's axes; `cosine` is that of half its
+    apparent diameter, or a bit less."""
+
+    toward: tuple[float, float, float] | None = None
+    cosine: float = 1.0
+
+
 class Graph:
     """The nodes of a material or world. An input takes a value or another node's output.
 
     `rests`: of a mesh with REST and RIM. `thick`: of a sheet that is drawn with a thickness, so that it has an inside.
     """
 
-    def __init__(self, tree: Any, rests: bool = False, thick: bool = False):
+    def __init__(self, tree: Any, rests: bool = False, thick: bool = False, caustics: Caustics | None = None):
         self.tree = tree
         self.rests = rests
         self.thick = thick
+        self.caustics = caustics
 
     @classmethod
-    def new(cls, owner: Any, rests: bool = False, thick: bool = False) -> Graph:
+    def new(cls, owner: Any, rests: bool = False, thick: bool = False, caustics: Caustics | None = None) -> Graph:
         """The empty graph of a new material or world."""
-        return cls(versions.empty_nodes(owner), rests, thick)
+        return cls(versions.empty_nodes(owner), rests, thick, caustics)
 
     def node(self, kind: str, inputs: Mapping[str, Any] | Mapping[int, Any] | None = None, **properties: Any) -> Any:
         """Add a node; inputs are named, or numbered where names repeat."""

@@ -11,6 +11,7 @@ from render.blender.session import bpy
 from render.content.axes import triple, z_up
 from render.content.bodies import Body
 from render.content.camera import Camera
+from render.content.caustics import CausticsOfLamps, past_the_sun
 from render.content.changing.foam import Foam
 from render.content.changing.meshes import MovingMesh
 from render.content.changing.sheets import Sheet
@@ -20,6 +21,7 @@ from render.content.ground import add_ground
 from render.content.lights import add_lights
 from render.content.materials import default_body_look, default_sheet_look, make_material
 from render.content.meshes import COLOR_COLUMNS
+from render.content.nodes import Caustics
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.content.sets import add_set
 from render.content.sets.site import Site
@@ -51,6 +53,7 @@ class Scene:
         self._add_bodies()
         self._add_moving_meshes()
         self._foam = self._make_foam() if inputs.foam else None
+        self._caustics = CausticsOfLamps(self.box.diagonal) if settings.caustics else None
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
         """The meshes of a frame that change their shape, by name of their object; None where there is none."""
@@ -75,6 +78,8 @@ class Scene:
         if self._foam is not None and foam is not None:
             self._foam.show(foam)
         bpy.context.scene.frame_set(frame)
+        if self._caustics is not None:
+            self._caustics.show()
 
     def _exposure(self) -> float:
         """How many frames around one motion is needed for: while the shutter is open, and for the pass of motion from
@@ -108,7 +113,8 @@ class Scene:
             return
         height = self._ground(visible)
         if settings.set == "none":
-            add_ground(settings.ground, height, self.box, view)
+            ground = add_ground(settings.ground, height, self.box, view)
+            ground.is_shadow_catcher = settings.background.type == "transparent"
         else:
             add_set(settings.set, self._site(visible, height))
 
@@ -148,7 +154,7 @@ class Scene:
             look = self._look(name, None)
             if look is not None:
                 inner = read_mesh(path)
-                add_container(name, inner, self.settings.walls, make_material(name, look, size), size)
+                add_container(name, inner, self.settings.walls, self._material(name, look, size), size)
                 visible = visible.joined(_bounds(inner).grown(wall_thickness(self.settings.walls, size)))
         return visible
 
@@ -157,20 +163,27 @@ class Scene:
             source = read_mesh(path)
             tinted = source.has(*COLOR_COLUMNS)
             look = self._look(name, default_body_look(index, tinted))
-            self._bodies[name] = Body(name, source, make_material(name, look, _bounds(source).diagonal, tinted))
+            caustics = Caustics() if self.settings.caustics else None
+            material = make_material(name, look, _bounds(source).diagonal, tinted, caustics)
+            self._bodies[name] = Body(name, source, material)
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:
             look = self.settings.water
-            self._moving_meshes["water"] = MovingMesh("water", make_material("water", look, self.box.diagonal))
+            self._moving_meshes["water"] = MovingMesh("water", self._material("water", look, self.box.diagonal))
         for index, name in enumerate(self.inputs.sheets()):
             look = self._look(name, default_sheet_look(index))
             first = read_mesh(self.inputs.first_of_sheet(name))
             self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal)
 
     def _make_foam(self) -> Foam:
-        material = make_material("foam", self.settings.foam, self.box.diagonal)
+        material = self._material("foam", self.settings.foam, self.box.diagonal)
         return Foam(material, meshes="motion" in self.settings.passes)
+
+    def _material(self, name: str, look: Any, size: float) -> Any:
+        """Of water and all that may be around it."""
+        caustics = past_the_sun(self.settings.lights.sun) if self.settings.caustics else None
+        return make_material(name, look, size, caustics=caustics)
 
 
 def _bounds(source: TriangleMesh) -> Box:

@@ -22,7 +22,7 @@ def add_world(environment: Any, background: Any) -> None:
     bpy.context.scene.world = world
     graph = Graph.new(world)
     light = _panorama(graph, environment)
-    if background.type != "environment" or background.blur > 0:
+    if background.type in {"plain", "gradient"} or getattr(background, "blur", 0) > 0:
         path = graph.node("LightPath")
         seen = graph.math("MAXIMUM", path.outputs["Is Camera Ray"], path.outputs["Is Transmission Ray"])
         seen = graph.math("MAXIMUM", seen, graph.exhausted())

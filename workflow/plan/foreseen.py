@@ -23,6 +23,7 @@ from scene.names import resolve
 from scene.settings import Caution, Refused
 from sim.checks.preview import Preview
 from sim.run.placing.extent import LEVEL, filmed
+from workflow.stages.film.spec import ALPHA
 
 
 def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
@@ -33,6 +34,9 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     if scene.film.crf == 0:
         text = "few players take lossless H.264: give 1 or more, and film.also: [prores] to edit"
         yield Caution(text, ("film", "crf"))
+    if scene.render.background.type == "transparent" and not scene.film.also:
+        text = f"the MP4 cannot keep it: add one of {', '.join(ALPHA)} to film.also, or use frames/*.png"
+        yield Caution(text, ("render", "background", "type"))
     blender = program.chosen()
     if blender is not None and shutil.which(blender) is None:
         yield Caution(f"there is no Blender at {blender} on this machine, which {program.VARIABLE} names")

@@ -209,6 +209,7 @@ class Plan:
             quality=scene.quality,
             fps=scene.simulation.fps,
             last_frame=scene.last_frame,
+            transparent=scene.render.background.type == "transparent",
             film=scene.film,
         )
         return Job(

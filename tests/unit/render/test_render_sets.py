@@ -56,7 +56,7 @@ def test_what_is_written_goes_above_the_set():
     assert (made.lights.sun.strength, made.lights.sun.angle) == (3, DEFAULTS["table"]["lights"]["sun"]["angle"])
     assert made.lights.environment.file == "sky.hdr" and made.lights.softboxes > 0
     assert made.background == spec(background=own["background"]).background
-    assert (made.ground.height, made.ground.material.type, made.ground.material.color) == (0.3, "wood", (1, 0, 0))
+    assert (made.ground.height, made.ground.material.type, made.ground.material.color) == (0.3, "planks", (1, 0, 0))
     assert spec(set="tiles", ground={"material": {"type": "matte"}}).ground.material.type == "matte"
     assert RenderSpec.model_validate_json(made.canonical()) == made
 

@@ -156,6 +156,13 @@ ADDED = {
         "did you mean 'ball'?",
     ),
     "unknown look": ("render: {materials: {ball: {type: metl}}}", "materials.ball", "did you mean 'metal'?"),
+    "unknown set": ("render: {set: tabel}", "render.set", "must be 'none', 'studio'", "did you mean 'table'?"),
+    "a format without transparency": (
+        "render: {background: {type: transparent}}\nfilm: {also: [webp, gif]}",
+        "film.also.1",
+        "'gif' cannot keep the transparent background",
+        "take prores, vp9 or webp",
+    ),
     "samples": ("render: {samples: 2.5}", "render.samples", "must be a whole number, got 2.5"),
     "denoise": ("render: {denoise: maybe}", "render.denoise", "must be true or false, got 'maybe'"),
     "description": ("description: [1]", "description", "must be text", "quotes"),

@@ -15,6 +15,10 @@ MANAGED = frozenset({"results", "renders", "studies", "wedges", ".snakemake", ".
 """Folders of the project in which nothing else may be written."""
 
 
+ALPHA = ("prores", "vp9", "webp")
+"""Formats of films that keep an alpha channel."""
+
+
 class ContactSheet(Settings):
     """One picture with frames from the whole film, each labelled with its time."""
 
@@ -33,9 +37,11 @@ class FilmSpec(Settings):
     """Frames shown per second [Hz]; without it the scene's fps, which is real time."""
     crf: Annotated[int, Ge(0), Le(51)] = 18
     """Quality of the H.264 encoder: 0 lossless, which few players take, 18 visually lossless, 28 small files."""
-    also: tuple[Literal["h265", "av1", "prores", "webp", "gif"], ...] = ()
-    """The film in other formats, beside the MP4 in H.264 that plays everywhere: H.265 and AV1 at a half to two thirds
-    of its size, ProRes to edit, WebP and GIF for pages."""
+    also: tuple[Literal["h265", "av1", "vp9", "prores", "webp", "gif"], ...] = ()
+    """The film in other formats, beside the MP4 in H.264 that plays everywhere: H.265, AV1 and VP9 (WebM) at a half to
+    two thirds of its size, ProRes to edit, WebP and GIF for pages. Of pictures with an alpha channel
+    (`render.background: {type: transparent}`) `prores` (4444), `vp9` and `webp` keep it, and the MP4 shows them on
+    paper."""
     contact_sheet: ContactSheet = ContactSheet()
     copy_to: Annotated[str, StringConstraints(min_length=1, pattern=r"\.mp4$")] | None = None
     """Where a copy of the film is written, relative to the project's folder, as `gallery/bunny.mp4`."""
@@ -66,6 +72,16 @@ class FilmSpec(Settings):
             raise Refused(f"'{self.copy_to}' is a folder", location=location, remedy="name a file ending in .mp4")
         return path
 
+    def refuse_opaque(self) -> None:
+        """Raise Refused for formats without an alpha channel, of a film that has one."""
+        for index, name in enumerate(self.also):
+            if name not in ALPHA:
+                raise Refused(
+                    f"'{name}' cannot keep the transparent background",
+                    location=("film", "also", index),
+                    remedy=f"take {', '.join(ALPHA[:-1])} or {ALPHA[-1]}, or another render.background",
+                )
+
 
 class FilmJobSpec(Settings):
     """What `python -m workflow.film --spec` takes: the film, and what it is the film of."""
@@ -77,4 +93,6 @@ class FilmJobSpec(Settings):
     """Frames per simulated second [Hz]."""
     last_frame: Annotated[int, Ge(0)]
     """The film shows the frames 0 to this one."""
+    transparent: bool = False
+    """Whether the frames have an alpha channel."""
     film: FilmSpec = FilmSpec()

@@ -40,6 +40,10 @@ ADDED = {
         "render: {ground: {material: {type: cloth, back: '#ff0000'}}}",
         "render.ground.material.back: changes nothing: only a sheet of cloth shows it",
     ),
+    "transparent film": (
+        "render: {background: {type: transparent}}",
+        "render.background.type: the MP4 cannot keep it: add one of prores, vp9, webp to film.also",
+    ),
     "camera in a body": (
         "render: {camera: {position: [0, 0.2, 0.1], target: [0, 0, 0]}}",
         "render.camera.position: the camera begins inside 'ball'",

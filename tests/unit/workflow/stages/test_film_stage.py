@@ -14,7 +14,7 @@ from PIL import Image, ImageSequence
 from scene.settings import Refused
 from workflow.film import main, run
 from workflow.stages.film.contact_sheet import chosen, contact_sheet
-from workflow.stages.film.spec import ContactSheet, FilmJobSpec, FilmSpec
+from workflow.stages.film.spec import ALPHA, ContactSheet, FilmJobSpec, FilmSpec
 
 
 @pytest.fixture(autouse=True)
@@ -70,7 +70,13 @@ def read_back(video: Path) -> tuple[dict, int]:
 
 
 BARS = [(30, 200, 30), (200, 30, 30), (30, 30, 200), (235, 235, 16), (16, 235, 235), (128, 128, 128), (255, 255, 255)]
-TAGGED = {"h264": "pond.mp4", "h265": "pond.h265.mp4", "av1": "pond.av1.mp4", "prores": "pond.mov"}
+TAGGED = {
+    "h264": "pond.mp4",
+    "h265": "pond.h265.mp4",
+    "av1": "pond.av1.mp4",
+    "vp9": "pond.webm",
+    "prores": "pond.mov",
+}
 BAR = 32
 
 
@@ -125,12 +131,69 @@ def test_films_for_pages_have_all_frames_and_colours(tmp_path, codec, file, erro
             assert film.info["duration"] in (120, 125, 130)
 
 
+ALPHA_FILES = {"prores": "pond.mov", "vp9": "pond.webm", "webp": "pond.webp"}
+
+
+def clear_frames(folder: Path) -> Path:
+    """Two frames: nothing on the left, half of a colour in the middle, all of it on the right."""
+    folder.mkdir()
+    picture = np.zeros((48, 96, 4), np.uint8)
+    picture[..., :3] = 200, 60, 40
+    picture[:, 32:64, 3], picture[:, 64:, 3] = 128, 255
+    for frame in range(2):
+        Image.fromarray(picture).save(folder / f"{frame:05d}.png")
+    return folder
+
+
+def read_alpha(video: Path) -> np.ndarray:
+    """The first frame of a film, shape [48, 96, 4]."""
+    if video.suffix == ".webp":
+        with Image.open(video) as film:
+            return np.asarray(film.convert("RGBA"))
+    decoder = ["-c:v", "libvpx-vp9"] if video.suffix == ".webm" else []
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", *decoder, "-i", str(video), "-frames:v", "1"]
+    raw = subprocess.run([*command, "-pix_fmt", "rgba", "-f", "rawvideo", "-"], capture_output=True, check=True).stdout
+    return np.frombuffer(raw, np.uint8).reshape(48, 96, 4)
+
+
+def transparent(**film) -> FilmJobSpec:
+    return FilmJobSpec(name="tiny/pond", fps=8, last_frame=1, transparent=True, film=FilmSpec(**film))
+
+
+@pytest.mark.parametrize("codec", ALPHA)
+def test_alpha_is_kept(tmp_path, codec):
+    run(transparent(also=[codec]), [clear_frames(tmp_path / "block")], tmp_path / "out")
+    found = read_alpha(tmp_path / "out" / ALPHA_FILES[codec]).astype(int)
+    assert np.abs(found[24, [16, 48, 80], 3] - (0, 128, 255)).max() <= 3
+    assert np.abs(found[24, 80, :3] - (200, 60, 40)).max() <= 6
+
+
+def test_the_mp4_shows_what_is_clear_on_the_paper_of_the_contact_sheet(tmp_path):
+    run(transparent(), [clear_frames(tmp_path / "block")], tmp_path / "out")
+    found = shown(planes(tmp_path / "out" / "pond.mp4", 48))[24, [16, 48, 80]]
+    paper, colour = np.array([0xF6, 0xF5, 0xF2]), np.array([200, 60, 40])
+    assert np.abs(found - [paper, (paper + colour) / 2, colour]).max() <= 4
+    assert all((tmp_path / "out" / "frames" / f"0000{k}.png").exists() for k in (0, 1))
+
+
+@pytest.mark.parametrize("codec", ["h265", "av1", "gif"])
+def test_formats_without_alpha_are_refused(tmp_path, codec):
+    with pytest.raises(Refused, match=f"'{codec}' cannot keep the transparent background.*prores, vp9 or webp"):
+        run(transparent(also=["webp", codec]), [clear_frames(tmp_path / "block")], tmp_path / "out")
+
+
+def test_vp9_without_transparency(tmp_path):
+    run(spec(6, also=["vp9"]), blocks(tmp_path, 7), tmp_path / "out")
+    meta, count = read_back(tmp_path / "out" / "pond.webm")
+    assert (meta["codec"], count, "yuv420p" in meta["pix_fmt"]) == ("vp9", 7, True)
+
+
 def test_formats_are_the_same_bytes_again(tmp_path):
     frames = blocks(tmp_path, 3)
     for name in ("one", "two"):
-        run(spec(2, also=["h265", "av1", "prores", "webp", "gif"]), frames, tmp_path / name)
+        run(spec(2, also=["h265", "av1", "vp9", "prores", "webp", "gif"]), frames, tmp_path / name)
     made = sorted(path.name for path in (tmp_path / "one").glob("pond.*"))
-    assert made == ["pond.av1.mp4", "pond.gif", "pond.h265.mp4", "pond.mov", "pond.mp4", "pond.webp"]
+    assert made == ["pond.av1.mp4", "pond.gif", "pond.h265.mp4", "pond.mov", "pond.mp4", "pond.webm", "pond.webp"]
     assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes() for name in made)
 
 
