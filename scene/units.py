@@ -11,6 +11,7 @@ import functools
 import re
 import sys
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any
 
 from annotated_types import Ge, Gt, Le
@@ -171,6 +172,38 @@ class Unit:
         return {"anyOf": [number] if self.symbol == "1" else [number, quantity], "unit": self.symbol}
 
 
+_RATIO = re.compile(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*(?:Hz|fps)?\s*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Rate(Unit):
+    """Annotation of a rate of frames: a ratio of whole numbers, too, as `24000/1001`, of which the nearest float is
+    taken; `as_ratio` knows it again."""
+
+    symbol: str = "Hz"
+
+    def _parse(self, text: str) -> float:
+        found = _RATIO.fullmatch(plain(text))
+        if found is None or int(found[2]) == 0:
+            return super()._parse(text)
+        return int(found[1]) / int(found[2])
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        known = super().__get_pydantic_json_schema__(schema, handler)
+        ratio = {"type": "string", "pattern": r"^\s*\d+\s*/\s*\d+\s*$"}
+        return {**known, "anyOf": [*known["anyOf"], ratio]}
+
+
+LARGEST_DENOMINATOR = 1001
+"""Of television: 24000/1001, 30000/1001, 60000/1001."""
+
+
+def as_ratio(rate: float) -> Fraction | None:
+    """The ratio of small whole numbers that a rate is the nearest float of; None where it is none."""
+    ratio = Fraction(rate).limit_denominator(LARGEST_DENOMINATOR)
+    return ratio if float(ratio) == rate else None
+
+
 def _tightest(number: dict[str, Any]) -> dict[str, Any]:
     """The schema of a float with one lower and one upper bound: pydantic adds further ones beside the first."""
     lower = [(number[key], key in {"gt", "exclusiveMinimum"}) for key in _LOWER if key in number]
@@ -194,6 +227,7 @@ PositiveLength = Annotated[float, Ge(1e-6), Le(1e6), Unit("m")]
 Duration = Annotated[float, Ge(0), Le(1e6), Unit("s")]
 PositiveDuration = Annotated[float, Gt(0), Le(1e6), Unit("s")]
 Frequency = Annotated[float, Gt(0), Le(1e9), Unit("Hz")]
+FrameRate = Annotated[float, Gt(0), Le(1e9), Rate()]
 Speed = Annotated[float, Ge(-1e5), Le(1e5), Unit("m/s")]
 PositiveSpeed = Annotated[float, Gt(0), Le(1e7), Unit("m/s")]
 Acceleration = Annotated[float, Ge(-1e6), Le(1e6), Unit("m/s^2")]

@@ -12,7 +12,7 @@ from annotated_types import Gt, Le
 from pydantic import Field, model_validator
 
 from scene.settings import Name, Settings
-from scene.units import Acceleration, Dimensionless, Duration, Extents, Frequency, Position, PositiveDuration
+from scene.units import Acceleration, Dimensionless, Duration, Extents, FrameRate, Position, PositiveDuration
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.fluid.spec import Drain, Emitter, Fluid, FluidBody
 from sim.geometry.spec import ClosedMesh, Placement
@@ -109,8 +109,8 @@ class Event(Settings):
 class SimulationSpec(Settings):
     """Everything that the simulation depends on."""
 
-    fps: Annotated[Frequency, Le(10_000)] = 24.0
-    """Frames per simulated second [Hz]."""
+    fps: Annotated[FrameRate, Le(10_000)] = 24.0
+    """Frames per simulated second [Hz]; as `24000/1001` exactly that, for television."""
     gravity: tuple[Acceleration, Acceleration, Acceleration] = (0.0, -9.81, 0.0)
     step: TimeStep = TimeStep()
     precision: Literal["single", "double"] = "single"

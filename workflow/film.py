@@ -27,6 +27,7 @@ from common.files import write_json, write_whole
 from common.stopwatch import Stopwatch
 from scene.settings import Refused
 from scene.spec_option import HELP, read_spec
+from scene.units import as_ratio
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.stage import exit_code, refuse_spoiled
 
@@ -98,6 +99,7 @@ def run(
         "frames": len(pictures),
         "fps": spec.fps,
         "playback_fps": playback,
+        "playback_ratio": str(as_ratio(playback) or playback),
         "size": size,
         "film_bytes": video.stat().st_size,
     }

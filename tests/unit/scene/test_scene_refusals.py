@@ -157,12 +157,6 @@ ADDED = {
     ),
     "unknown look": ("render: {materials: {ball: {type: metl}}}", "materials.ball", "did you mean 'metal'?"),
     "unknown set": ("render: {set: tabel}", "render.set", "must be 'none', 'studio'", "did you mean 'table'?"),
-    "a format without transparency": (
-        "render: {background: {type: transparent}}\nfilm: {also: [webp, gif]}",
-        "film.also.1",
-        "'gif' cannot keep the transparent background",
-        "take prores, vp9 or webp",
-    ),
     "samples": ("render: {samples: 2.5}", "render.samples", "must be a whole number, got 2.5"),
     "denoise": ("render: {denoise: maybe}", "render.denoise", "must be true or false, got 'maybe'"),
     "description": ("description: [1]", "description", "must be text", "quotes"),
@@ -198,6 +192,11 @@ ADDED = {
 def test_a_wrong_section(bench, scene, case):
     line, *words = ADDED[case]
     bench.refuses(scene(more=line), *words, at=line)
+
+
+def test_a_format_without_transparency(bench, scene):
+    more = "render: {background: {type: transparent}}\nfilm: {also: [webp, gif]}"
+    bench.refuses(scene(more=more), "film.also.1: 'gif' cannot keep", "take prores, vp9 or webp", at="film: {also")
 
 
 NOT_BY_JACOBI = {

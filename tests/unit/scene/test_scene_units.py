@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from decimal import Decimal
+from fractions import Fraction
 
 import pytest
 from pydantic_core import PydanticCustomError
@@ -111,3 +112,37 @@ def test_what_was_meant(unit, text, remedy):
 def test_no_quantity(unit, text):
     with pytest.raises(PydanticCustomError):
         Unit(unit).convert(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("24000/1001", 24000 / 1001),
+        (" 30000 / 1001 Hz ", 30000 / 1001),
+        ("25/1", 25),
+        ("12 1/s", 12),
+        ("2 kHz", 2000),
+        (24, 24),
+    ],
+)
+def test_a_rate_of_frames_may_be_a_ratio(text, value):
+    assert units.Rate().convert(text) == value
+
+
+@pytest.mark.parametrize(
+    "text", ["24000/0", "24/1.001", "/1001", "24000/", "24000/1001/2", "24000//1001", "24000/1001 s"]
+)
+def test_what_is_no_ratio_is_refused(text):
+    with pytest.raises(PydanticCustomError):
+        units.Rate().convert(text)
+
+
+@pytest.mark.parametrize("rate", [24, 25, 12.5, 23.976, 29.97, 59.94, 0.5, 24000 / 1001, 30000 / 1001, 120000 / 1001])
+def test_the_ratio_of_a_rate_is_known_again(rate):
+    ratio = units.as_ratio(rate)
+    assert ratio is not None and float(ratio) == rate
+
+
+def test_a_rate_that_is_no_ratio_of_small_numbers_is_left_alone():
+    assert units.as_ratio(math.pi) is None
+    assert units.as_ratio(24000 / 1001) == Fraction(24000, 1001)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import imageio_ffmpeg
 
+from scene.units import as_ratio
 from workflow.stages.film.codecs import CODECS, Codec
 
 
@@ -22,7 +23,7 @@ def encode(frames: Path, film: Path, *, fps: float, crf: int, codec: Codec = COD
     reproducible = ["-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-threads", "1"]
     command = [
         *(imageio_ffmpeg.get_ffmpeg_exe(), "-nostdin", "-hide_banner", "-loglevel", "error", "-y"),
-        *("-framerate", f"{fps:.12g}", "-i", "%05d.png"),
+        *("-framerate", str(as_ratio(fps) or f"{fps:.12g}"), "-i", "%05d.png"),
         *("-vf", codec.filters),
         *(*codec.options(crf), "-pix_fmt", codec.pixels),
         *reproducible,

@@ -9,7 +9,7 @@ from annotated_types import Ge, Gt, Le
 from pydantic import StringConstraints
 
 from scene.settings import Refused, Settings
-from scene.units import Frequency
+from scene.units import FrameRate
 
 MANAGED = frozenset({"results", "renders", "studies", "wedges", ".snakemake", ".git"})
 """Folders of the project in which nothing else may be written."""
@@ -33,8 +33,9 @@ class ContactSheet(Settings):
 class FilmSpec(Settings):
     """Everything that the film depends on, besides the frames."""
 
-    playback_fps: Annotated[Frequency, Le(1000)] | None = None
-    """Frames shown per second [Hz]; without it the scene's fps, which is real time."""
+    playback_fps: Annotated[FrameRate, Le(1000)] | None = None
+    """Frames shown per second [Hz]; without it the scene's fps, which is real time. Fewer are slow motion: 96 frames a
+    simulated second at `24000/1001` are four times slower."""
     crf: Annotated[int, Ge(0), Le(51)] = 18
     """Quality of the H.264 encoder: 0 lossless, which few players take, 18 visually lossless, 28 small files."""
     also: tuple[Literal["h265", "av1", "vp9", "prores", "webp", "gif"], ...] = ()
@@ -89,7 +90,7 @@ class FilmJobSpec(Settings):
     name: Annotated[str, StringConstraints(min_length=1)]
     """Name of the scene, with its folder, as `tiny/splash`."""
     quality: str = "standard"
-    fps: Annotated[Frequency, Le(10_000)]
+    fps: Annotated[FrameRate, Le(10_000)]
     """Frames per simulated second [Hz]."""
     last_frame: Annotated[int, Ge(0)]
     """The film shows the frames 0 to this one."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -215,6 +216,29 @@ def test_playback_rate(tmp_path, fps):
     meta, count = read_back(tmp_path / "out" / "pond.mp4")
     assert count == 7
     assert meta["fps"] == pytest.approx(fps, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("fps", "ratio"),
+    [
+        (24, (24, 1)),
+        ("24000/1001", (24000, 1001)),
+        ("30000/1001", (30000, 1001)),
+        (23.976, (2997, 125)),
+        (12.5, (25, 2)),
+    ],
+)
+@pytest.mark.parametrize("codec", ["h264", "h265", "prores"])
+def test_frames_are_as_far_apart_as_the_ratio_says(tmp_path, fps, ratio, codec):
+    """In units of the file's own clock: no drift, however long the film is."""
+    run(spec(6, playback_fps=fps, also=[codec] if codec != "h264" else []), blocks(tmp_path, 7), tmp_path / "out")
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", "-i", str(tmp_path / "out" / TAGGED[codec])]
+    told = subprocess.run([*command, "-c", "copy", "-f", "framecrc", "-"], capture_output=True, text=True, check=True)
+    lines = told.stdout.splitlines()
+    tick = Fraction(next(line for line in lines if line.startswith("#tb 0: ")).removeprefix("#tb 0: "))
+    times = sorted(int(line.split(",")[2]) * tick for line in lines if not line.startswith("#"))
+    assert [time - times[0] for time in times] == [frame * Fraction(ratio[1], ratio[0]) for frame in range(7)]
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["playback_ratio"] == str(Fraction(*ratio))
 
 
 def test_the_same_frames_give_the_same_bytes(tmp_path):
