@@ -6,6 +6,7 @@ can be, this asks whether Blender has a thing, not for its number.
 
 from __future__ import annotations
 
+import math
 from array import array
 from typing import Any
 
@@ -79,6 +80,13 @@ def show_edges(mesh: Any, angle: float) -> None:
     else:
         mesh.use_auto_smooth = True
         mesh.auto_smooth_angle = angle
+
+
+def keep_sharp_edges(mesh: Any) -> None:
+    """Shade edges as sharp that are marked so; until 4.0 that was part of the setting of `show_edges`."""
+    if not hasattr(mesh, "set_sharp_from_angle"):
+        mesh.use_auto_smooth = True
+        mesh.auto_smooth_angle = math.pi
 
 
 def curves(thing: Any) -> Any:

@@ -24,6 +24,7 @@ def make_material(
     name: str,
     look: Any,
     size: float,
+    *,
     tinted: bool = False,
     rests: bool = False,
     thick: bool = False,

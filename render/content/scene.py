@@ -164,7 +164,7 @@ class Scene:
             tinted = source.has(*COLOR_COLUMNS)
             look = self._look(name, default_body_look(index, tinted))
             caustics = Caustics() if self.settings.caustics else None
-            material = make_material(name, look, _bounds(source).diagonal, tinted, caustics)
+            material = make_material(name, look, _bounds(source).diagonal, tinted=tinted, caustics=caustics)
             self._bodies[name] = Body(name, source, material)
 
     def _add_moving_meshes(self) -> None:

@@ -56,7 +56,7 @@ def _weave(graph: Graph, thread: float) -> Relief:
     places = graph.node("SeparateXYZ", {0: graph.place()})
     u, v = (graph.math("DIVIDE", places.outputs[axis], thread) for axis in "XY")
     column, row = graph.math("FLOOR", u), graph.math("FLOOR", v)
-    weft_above = graph.math("FLOORED_MODULO", graph.math("ADD", column, row), 2.0)
+    weft_above = graph.math("ABSOLUTE", graph.math("MODULO", graph.math("ADD", column, row), 2.0))
     ridges = [graph.math("ABSOLUTE", graph.math("SINE", graph.math("MULTIPLY", axis, math.pi))) for axis in (u, v)]
     across = graph.blend(weft_above, *ridges)
     along = graph.blend(weft_above, *reversed(ridges))

@@ -14,7 +14,8 @@ def clear(graph: Graph, color: Any, roughness: float, ior: float, thin: bool = F
     water is then lit without tracing caustics, which a path tracer finds only by many more samples. If `thin`, all do.
     With caustics only shadow rays to the sun do so, and only where Cycles finds no way that is refracted.
     Light that was thrown back within until its bounces are spent goes straight out, where Cycles would end it: a pane
-    is dark along its edges otherwise, and so are drops.
+    is dark along its edges otherwise, and so are drops. Not with caustics, whose ways Cycles looks for in what refracts
+    at any depth.
     """
     through = graph.node("BsdfTransparent", {"Color": color}).outputs[0]
     mirror = graph.node("BsdfGlossy", {"Color": (1.0,) * 4, "Roughness": roughness}).outputs[0]
@@ -29,12 +30,11 @@ def clear(graph: Graph, color: Any, roughness: float, ior: float, thin: bool = F
     refracting = graph.node("BsdfGlass", {"Color": color, "Roughness": roughness, "IOR": ior}).outputs[0]
     path = graph.node("LightPath")
     straight = graph.math("MAXIMUM", path.outputs["Is Shadow Ray"], path.outputs["Is Diffuse Ray"])
-    if graph.caustics is not None:
-        if graph.caustics.toward is None:
-            return graph.mix(graph.exhausted(), refracting, through)
-        back = tuple(-part for part in graph.caustics.toward)
-        facing = {0: geometry["Incoming"], 1: back}
-        cosine = graph.node("VectorMath", facing, operation="DOT_PRODUCT").outputs["Value"]
-        to_sun = graph.math("GREATER_THAN", cosine, graph.caustics.cosine)
-        straight = graph.math("MULTIPLY", path.outputs["Is Shadow Ray"], to_sun)
-    return graph.mix(graph.exhausted(), graph.mix(straight, refracting, pane), through)
+    if graph.caustics is None:
+        return graph.mix(graph.exhausted(), graph.mix(straight, refracting, pane), through)
+    if graph.caustics.toward is None:
+        return refracting
+    back = tuple(-part for part in graph.caustics.toward)
+    cosine = graph.node("VectorMath", {0: geometry["Incoming"], 1: back}, operation="DOT_PRODUCT").outputs["Value"]
+    to_sun = graph.math("GREATER_THAN", cosine, graph.caustics.cosine)
+    return graph.mix(graph.math("MULTIPLY", path.outputs["Is Shadow Ray"], to_sun), refracting, pane)

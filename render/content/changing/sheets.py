@@ -9,6 +9,7 @@ from typing import Any
 from mathutils import Vector
 from mathutils.kdtree import KDTree
 
+from render.blender import versions
 from render.content.axes import z_up_columns
 from render.content.changing.meshes import MovingMesh
 from render.content.materials import make_material
@@ -86,6 +87,7 @@ def note_rest(mesh: Any, source: TriangleMesh) -> None:
         for vertex in edge.vertices:
             tree.insert(places[vertex], vertex)
     tree.balance()
+    versions.keep_sharp_edges(mesh)
     far = max(rest_size(source), 1.0)
     distances = array("f", (tree.find(place)[2] if borders else far for place in places))
     mesh.attributes.new(RIM, "FLOAT", "POINT").data.foreach_set("value", distances)

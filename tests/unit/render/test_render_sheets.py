@@ -23,7 +23,7 @@ def write_sheet(write_mesh, path, wide=1.0, columns=NAMES):
     """A sheet of 1 m by 1 m that faces +z about the origin; drawn out in x to `wide` [m]."""
     grid = list(itertools.product(np.linspace(-0.5, 0.5, CELLS + 1), repeat=2))
     count = len(columns.split())
-    vertices = [(wide * x, y, 0, 0, 0, 0, x, 0, -y, THICKNESS)[:count] for x, y in grid]
+    vertices = [(wide * x, y, 0, 0, 3, 0, x, 0, -y, THICKNESS)[:count] for x, y in grid]
     corner = np.arange((CELLS + 1) ** 2).reshape(CELLS + 1, CELLS + 1)
     cells = zip(*(c.ravel() for c in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:])), strict=True)
     faces = [face for a, b, c, d in cells for face in ((a, b, c), (a, c, d))]
@@ -66,6 +66,14 @@ def sheet(tmp_path, write_mesh):
 def test_cloth_is_drawn_nearly_as_thick_as_it_is_or_as_asked_for(sheet, wanted, found):
     places = [vertex.co.y for vertex in sheet(thickness=wanted).vertices]
     assert (min(places), max(places)) == pytest.approx((-found / 2, found / 2))
+
+
+def test_both_sides_are_blurred_by_the_motion_of_the_sheet(sheet):
+    """The file has a velocity of 3 m/s along y, which is up."""
+    mesh = sheet()
+    velocities = {tuple(point.vector) for point in mesh.attributes["velocity"].data}
+    assert len(mesh.attributes["velocity"].data) == len(mesh.vertices) == 2 * (CELLS + 1) ** 2
+    assert velocities == {(0.0, 0.0, 3.0)}
 
 
 def test_each_point_knows_its_place_in_the_cloth_and_its_way_to_the_rim(sheet):
