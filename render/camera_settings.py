@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import model_validator
@@ -64,6 +64,10 @@ class Camera(Settings):
     """Automatic framing: how high above the horizon it stands."""
     margin: Annotated[Dimensionless, Ge(0), Le(0.8)] = 0.1
     """Automatic framing: share of the picture's half width and half height that stays free."""
+    projection: Literal["perspective", "orthographic"] = "perspective"
+    """`orthographic` shows everything at its size, however far away: parallel rays, as in a drawing to scale."""
+    width: PositiveLength | None = None
+    """Orthographic, of a camera that is placed: what is seen across the longer side of the picture [m]."""
     field_of_view: Annotated[Angle, Gt(1), Lt(170)] = 32.0
     """Across the longer side of the picture."""
     focal_length: PositiveLength | None = None
@@ -92,6 +96,27 @@ class Camera(Settings):
                 )
         if self.focal_length is not None and changed(self, "field_of_view"):
             raise ValueError("field_of_view and focal_length exclude each other: remove one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _lens_or_width(self) -> Self:
+        if self.projection == "perspective":
+            if self.width is not None:
+                raise ValueError("width is of an orthographic camera: change projection, or give field_of_view")
+            return self
+        lens = changed(self, "field_of_view", "focal_length", "depth_of_field")
+        if any(key.field_of_view is not None for key in self.keyframes):
+            lens.append("field_of_view of a keyframe")
+        if lens:
+            raise ValueError(
+                f"{', '.join(lens)} and an orthographic camera exclude each other, since parallel rays have no lens: "
+                "remove it, or change projection"
+            )
+        placed = self.position is not None or bool(self.keyframes)
+        if placed and self.width is None:
+            raise ValueError("width is missing: say how many metres an orthographic camera that is placed shows across")
+        if not placed and self.width is not None:
+            raise ValueError("width and automatic framing exclude each other: remove it, or give position and target")
         return self
 
 

@@ -180,7 +180,11 @@ def _color(scene: Scene, name: str, default: str) -> Any:
 
 def _place(camera: Any, view: View) -> None:
     camera.position, camera.focal_point, camera.up = view.position, view.target, z_up((0, 1, 0))
-    camera.view_angle = np.degrees(view.height_angle)
+    if view.shown is None:
+        camera.view_angle = np.degrees(view.height_angle)
+    else:
+        camera.parallel_projection = True
+        camera.parallel_scale = view.shown[1] / 2
 
 
 def _rotation(quaternion: tuple[float, float, float, float]) -> np.ndarray:

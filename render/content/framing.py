@@ -13,23 +13,28 @@ from render.inputs import Box
 
 FULL_FRAME = 0.036
 """Longer side of the sensor [m]."""
+NEAREST, FARTHEST = 2.0, 12.0
+"""How far off an orthographic camera stands that frames by itself, over the diagonal of the box."""
 
 
 @dataclass(frozen=True)
 class View:
     """A camera in Blender's axes: where it stands, what it looks at [m], and its field of view
-    across the picture's width and height [rad]."""
+    across the picture's width and height [rad]; an orthographic one has, instead of these, what it shows [m]."""
 
     position: Vector
     target: Vector
-    width_angle: float
-    height_angle: float
+    width_angle: float = 0.0
+    height_angle: float = 0.0
+    shown: tuple[float, float] | None = None
 
     def project(self, point: Vector) -> tuple[float, float, float]:
         """Right and up in the picture, each from -1 to 1 within it, and the depth [m]."""
         right, up, back = _axes(_minus(self.position, self.target))
         offset = _minus(point, self.position)
         depth = -_dot(offset, back)
+        if self.shown is not None:
+            return 2 * _dot(offset, right) / self.shown[0], 2 * _dot(offset, up) / self.shown[1], depth
         return (
             _dot(offset, right) / depth / math.tan(self.width_angle / 2),
             _dot(offset, up) / depth / math.tan(self.height_angle / 2),
@@ -72,8 +77,29 @@ def frame_box(
     return View(_sum(target, _scaled(back, distance)), target, width_angle, height_angle)
 
 
+def frame_box_to_scale(box: Box, toward_camera: Vector, resolution: tuple[int, int], margin: float) -> View:
+    """The orthographic view along a direction with `margin` of the half picture free around the box's corners.
+
+    It is so far off that the lower edge of the picture begins above what the box stands on.
+    """
+    right, up, back = _axes(toward_camera)
+    center = box.center
+    corners = [_minus(corner, center) for corner in box.corners()]
+    spans = [[_dot(corner, axis) for corner in corners] for axis in (right, up)]
+    metres = max((max(span) - min(span)) / pixels for span, pixels in zip(spans, resolution, strict=True)) / (
+        1 - margin
+    )
+    shown = (metres * resolution[0], metres * resolution[1])
+    across, upward = ((max(span) + min(span)) / 2 for span in spans)
+    target = _sum(center, _scaled(right, across), _scaled(up, upward))
+    distance = min(max(NEAREST * box.diagonal, shown[1] * up[2] / max(back[2], 1e-9)), FARTHEST * box.diagonal)
+    return View(_sum(target, _scaled(back, distance)), target, shown=shown)
+
+
 def view_of(camera: Any, box: Box | None, resolution: tuple[int, int], time: float = 0.0) -> View:
     """The view that the camera's settings ask for at a time [s]; `box` may be None for a placed camera."""
+    if camera.projection == "orthographic":
+        return _view_to_scale(camera, box, resolution, time)
     field_of_view = camera.field_of_view
     if camera.focal_length is not None:
         field_of_view = math.degrees(2 * math.atan(FULL_FRAME / 2 / camera.focal_length))
@@ -82,9 +108,26 @@ def view_of(camera: Any, box: Box | None, resolution: tuple[int, int], time: flo
         return View(z_up(position), z_up(target), *angles(resolution, field_of_view))
     if camera.position is not None:
         return View(z_up(camera.position), z_up(camera.target), *angles(resolution, field_of_view))
+    return frame_box(
+        _to_frame(box), direction(camera.azimuth, camera.elevation), resolution, field_of_view, camera.margin
+    )
+
+
+def _view_to_scale(camera: Any, box: Box | None, resolution: tuple[int, int], time: float) -> View:
+    if camera.width is None:
+        toward = direction(camera.azimuth, camera.elevation)
+        return frame_box_to_scale(_to_frame(box), toward, resolution, camera.margin)
+    position, target = camera.position, camera.target
+    if camera.keyframes:
+        position, target, _ = _moved(camera.keyframes, 0.0, time)
+    metres = camera.width / max(resolution)
+    return View(z_up(position), z_up(target), shown=(metres * resolution[0], metres * resolution[1]))
+
+
+def _to_frame(box: Box | None) -> Box:
     if box is None:
         raise TypeError("a camera that is not placed needs a box to frame")
-    return frame_box(box, direction(camera.azimuth, camera.elevation), resolution, field_of_view, camera.margin)
+    return box
 
 
 def _moved(keyframes: Sequence[Any], field_of_view: float, time: float) -> tuple[Vector, Vector, float]:

@@ -54,6 +54,7 @@ class Scene:
         self._add_moving_meshes()
         self._foam = self._make_foam() if inputs.foam else None
         self._caustics = CausticsOfLamps(self.box.diagonal) if settings.caustics else None
+        self._camera.take_along()
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
         """The meshes of a frame that change their shape, by name of their object; None where there is none."""
@@ -105,7 +106,9 @@ class Scene:
         settings = self.settings
         view = view_of(settings.camera, visible, settings.resolution)
         self._camera = Camera(
-            settings.camera, lambda time: view_of(settings.camera, visible, settings.resolution, time)
+            settings.camera,
+            lambda time: view_of(settings.camera, visible, settings.resolution, time),
+            stand="motion" in settings.passes and settings.camera.projection == "orthographic",
         )
         add_lights(settings.lights, self.box, view)
         add_world(settings.lights.environment, settings.background)

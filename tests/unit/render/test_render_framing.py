@@ -1,9 +1,11 @@
 """Automatic framing: the box of the action is in the picture, and fills it."""
 
+import math
+
 import pytest
 
 from render.content.axes import z_up
-from render.content.framing import direction, frame_box, view_of
+from render.content.framing import direction, frame_box, frame_box_to_scale, view_of
 from render.inputs import Box
 
 BOXES = [
@@ -25,13 +27,39 @@ def test_all_corners_are_within_the_margin_and_one_touches_it(box, resolution, a
     assert furthest == pytest.approx(1 - margin, abs=1e-6)
 
 
+@pytest.mark.parametrize("box", BOXES)
+@pytest.mark.parametrize("resolution", [(640, 360), (360, 640), (500, 500)])
+@pytest.mark.parametrize(("azimuth", "elevation"), [(0, 0), (24, 17), (-140, 60), (90, -30)])
+def test_to_scale_the_box_fills_the_picture_up_to_the_margin(box, resolution, azimuth, elevation):
+    margin = 0.1
+    view = frame_box_to_scale(box, direction(azimuth, elevation), resolution, margin)
+    seen = [view.project(corner) for corner in box.corners()]
+    assert all(depth > 0 for _, _, depth in seen)
+    assert max(max(abs(across), abs(upward)) for across, upward, _ in seen) == pytest.approx(1 - margin, abs=1e-6)
+    for side in (0, 1):
+        values = [place[side] for place in seen]
+        assert max(values) == pytest.approx(-min(values), abs=1e-6), "in the middle"
+    assert view.shown[0] / resolution[0] == pytest.approx(view.shown[1] / resolution[1]), "square pixels"
+
+
+@pytest.mark.parametrize("elevation", [5, 17, 60])
+def test_to_scale_the_lower_edge_begins_above_the_ground(elevation):
+    """Rays are parallel: one that began below the ground would see it from beneath."""
+    box = BOXES[0]
+    view = frame_box_to_scale(box, direction(24, elevation), (640, 360), 0.1)
+    edge = view.position[2] - view.shown[1] / 2 * math.cos(math.radians(elevation))
+    assert edge > box.low[2]
+
+
 def test_front_right_and_above_are_where_the_settings_say():
     assert direction(0, 0) == pytest.approx((0, -1, 0))  # +z of the simulation is -y of Blender
     assert direction(90, 0) == pytest.approx((1, 0, 0))
     assert direction(33, 89.999) == pytest.approx((0, 0, 1), abs=1e-4)
 
 
-def test_the_view_agrees_with_blender():
+@pytest.mark.parametrize("resolution", [(640, 360), (360, 640)])
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_the_view_agrees_with_blender(projection, resolution):
     import bpy
     from bpy_extras.object_utils import world_to_camera_view
     from mathutils import Vector
@@ -41,9 +69,10 @@ def test_the_view_agrees_with_blender():
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = 640, 360
-    view = frame_box(BOXES[0], direction(24, 17), (640, 360), 32.0, 0.1)
-    Camera(CameraSettings(), lambda time: view).show(0, 0.5, 24.0)
+    scene.render.resolution_x, scene.render.resolution_y = resolution
+    settings = CameraSettings(projection=projection)
+    view = view_of(settings, BOXES[0], resolution)
+    Camera(settings, lambda time: view).show(0, 0.5, 24.0)
     bpy.context.view_layer.update()
     for corner in BOXES[0].corners():
         across, upward, depth = view.project(corner)

@@ -104,6 +104,31 @@ def test_a_camera_that_moves(simulation, write_mesh, tmp_path):
     assert vectors(simulation, tmp_path / "out", camera=camera) == pytest.approx(BACK, abs=1e-3)
 
 
+SHOWN = 4.0
+"""By an orthographic camera, across the picture [m]."""
+TO_SCALE = {"projection": "orthographic", "width": SHOWN}
+
+
+def test_to_scale_distance_does_not_matter(simulation, write_mesh, tmp_path):
+    """Of a body, and of what comes nearer: v pixels / (fps m), by nothing else."""
+    wall(simulation, write_mesh, (*VELOCITY[:2], 3.0))
+    camera = {"position": EYE, "target": [0, 1, 0], **TO_SCALE}
+    way = np.array(VELOCITY[:2]) / FPS * WIDTH / SHOWN
+    assert vectors(simulation, tmp_path / "out", camera=camera) == pytest.approx(-np.tile(way, 2), abs=1e-3)
+
+
+def test_to_scale_a_camera_that_moves(simulation, write_mesh, tmp_path):
+    wall(simulation, write_mesh, (0, 0, 0))
+    ways = [(frame - 2) / FPS * np.array(VELOCITY) for frame in range(5)]
+    keys = [
+        {"at": frame / FPS, "position": [*(EYE - way)], "target": [*((0, 1, 0) - way)]}
+        for frame, way in enumerate(ways)
+    ]
+    way = np.array(VELOCITY[:2]) / FPS * WIDTH / SHOWN
+    found = vectors(simulation, tmp_path / "out", camera={"keyframes": keys, **TO_SCALE})
+    assert found == pytest.approx(-np.tile(way, 2), abs=1e-3)
+
+
 def test_what_rests_does_not_move(simulation, write_mesh, tmp_path):
     wall(simulation, write_mesh, (0, 0, 0))
     assert vectors(simulation, tmp_path / "out") == pytest.approx(np.zeros(4), abs=1e-5)

@@ -10,11 +10,15 @@ from pydantic import ValidationError
 from render.looks.spec import Look
 from render.spec import RenderSpec
 
+SCALE = {"projection": "orthographic"}
+
 
 @pytest.mark.parametrize(
     "section",
     [
         {},
+        {"camera": SCALE | {"azimuth": 45, "elevation": 35}},
+        {"camera": SCALE | {"position": [0, 9, 0.1], "target": [0, 0, 0], "width": "2 m"}},
         {"camera": {"position": [1, 1, 1], "target": [0, 0, 0], "focal_length": "50 mm"}},
         {"lights": {"environment": {"file": "sky.hdr"}}, "materials": {"bunny": {"type": "stone", "grain": "2 cm"}}},
         {"water": {"type": "plastic", "color": "#fff"}, "lights": {"sun": {"strength": 0}}},
@@ -78,6 +82,25 @@ def test_every_look_of_the_settings_can_be_built():
         ({"materials": {"a": {"type": "plastic", "principled": {"Coat Wieght": 1}}}}, "Coat Weight"),
         ({"materials": {"a": {"type": "plastic", "principled": {"Base Color": 1}}}}, "must be a colour"),
         ({"materials": {"a": {"type": "glass", "principled": {"Roughness": 1}}}}, "principled"),
+        ({"camera": {"width": 2}}, "width is of an orthographic camera"),
+        ({"camera": SCALE | {"width": 2}}, "width and automatic framing exclude each other"),
+        ({"camera": SCALE | {"position": [0, 0, 1], "target": [0, 0, 0]}}, "width is missing"),
+        ({"camera": SCALE | {"field_of_view": 40}}, "field_of_view and an orthographic camera exclude each other"),
+        ({"camera": SCALE | {"focal_length": "50 mm"}}, "focal_length and an orthographic camera exclude"),
+        ({"camera": SCALE | {"depth_of_field": {"f_stop": 2}}}, "depth_of_field and an orthographic camera exclude"),
+        (
+            {
+                "camera": SCALE
+                | {
+                    "width": 2,
+                    "keyframes": [
+                        {"at": 0, "position": [0, 0, 1], "target": [0, 0, 0]},
+                        {"at": 1, "position": [0, 0, 2], "target": [0, 0, 0], "field_of_view": 30},
+                    ],
+                }
+            },
+            "field_of_view of a keyframe and an orthographic camera",
+        ),
         ({"passes": ["motion"]}, "motion_blur: false"),
         ({"passes": ["dept"]}, "depth"),
         ({"camera": {"keyframes": [{"at": 0, "position": [0, 0, 1], "target": [0, 0, 0]}]}}, "two or more"),
