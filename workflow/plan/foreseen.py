@@ -25,6 +25,9 @@ from sim.checks.preview import Preview
 from sim.run.placing.extent import LEVEL, filmed
 from workflow.stages.film.spec import ALPHA
 
+CLEAR = ("water", "glass")
+"""Looks that focus light; those of installed packages say nothing of it."""
+
 
 def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     """One for each thing that the film would not show, or not as it was meant."""
@@ -37,6 +40,7 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     if scene.render.background.type == "transparent" and not scene.film.also:
         text = f"the MP4 cannot keep it: add one of {', '.join(ALPHA)} to film.also, or use frames/*.png"
         yield Caution(text, ("render", "background", "type"))
+    yield from _of_caustics(scene)
     blender = program.chosen()
     if blender is not None and shutil.which(blender) is None:
         yield Caution(f"there is no Blender at {blender} on this machine, which {program.VARIABLE} names")
@@ -84,6 +88,19 @@ def _begins(body: Any) -> tuple[float, str] | None:
         return keyframes[0].at, "keyframes"
     start = getattr(body, "start", None)
     return (start, "start") if start is not None else None
+
+
+def _of_caustics(scene: Scene) -> Iterator[Caution]:
+    """Where there is nothing to focus light, or no lamp whose light could be."""
+    render, lights = scene.render, scene.render.lights
+    if not render.caustics:
+        return
+    looks = [*render.materials.values(), *([render.water] if scene.simulation.fluid is not None else [])]
+    location = ("render", "caustics")
+    if not any(look.type in CLEAR for look in looks):
+        yield Caution("changes nothing: no look is of water or glass: add one, or remove it", location)
+    if not any((lights.sun.strength, lights.softboxes, *(area.power for area in lights.areas))):
+        yield Caution("changes nothing: light of the environment alone is not focused: add a sun or lamps", location)
 
 
 def _of_the_camera(scene: Scene, found: Preview) -> Iterator[Caution]:

@@ -8,6 +8,7 @@ from render.content.ground import add_plain, fade
 from render.content.materials import make_material
 from render.content.sets.site import Site
 from render.content.sets.walls import WIDE, add_strip, seen_from_inside, sides
+from render.inputs import Box
 
 MARGIN = 0.6
 """Between the action and a wall, over the size of the action, where no container has one."""
@@ -27,7 +28,7 @@ def build(site: Site) -> None:
     add_plain(make_material("ground", site.look, site.size), site.middle, site.reach)
     half, depth = site.beside(MARGIN * site.size), DEPTH * site.size
     basin = site
-    if site.basin is not None:
+    if site.basin is not None and _holds(site.basin, site.box, OVERLAP * site.size):
         basin = Site(site.basin, site.height, site.reach, site.look)
         half, depth = basin.beside(-OVERLAP * site.size), site.basin.high[2] - site.height
     width = RIM * site.size
@@ -41,3 +42,10 @@ def build(site: Site) -> None:
         deck = seen_from_inside(make_material("deck", DECK, site.size), side, basin)
         fade(deck, 1.5 * site.reach, WIDE * site.reach)
         add_strip("deck", side, basin, [(width, depth + 0.9 * lip), (WIDE * site.reach, depth + 0.9 * lip)], deck)
+
+
+def _holds(basin: Box, action: Box, slack: float) -> bool:
+    """Whether nothing reaches beyond the walls of a basin, up to a slack [m]: they would cut through it."""
+    return all(
+        basin.low[axis] - slack <= action.low[axis] and action.high[axis] <= basin.high[axis] + slack for axis in (0, 1)
+    )

@@ -147,6 +147,13 @@ def test_the_walls_of_a_pool_are_those_of_a_container_that_is_not_drawn():
     assert all(bounds[5] == pytest.approx(0.7) for bounds in walls)
 
 
+def test_no_wall_of_a_pool_cuts_through_what_is_beside_its_container():
+    basin = Box((-0.3, -0.4, 0.0), (0.5, 0.4, 0.7))
+    walls = [bounds for name, bounds in built("pool", basin=basin).items() if name.startswith("wall")]
+    nearest = sorted(min(abs(bounds[axis]), abs(bounds[axis + 3])) for bounds in walls for axis in (0, 1))
+    assert nearest[0] > 0.5, "as without the container, around all of the action"
+
+
 @pytest.mark.parametrize("scale", [1.0, 0.01])
 def test_the_key_light_has_the_irradiance_that_is_asked_for(scale):
     """Lambert's law, summed over the lamp: M cos^2 / (pi r^2) of each patch."""

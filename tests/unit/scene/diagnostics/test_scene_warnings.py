@@ -44,6 +44,14 @@ ADDED = {
         "render: {background: {type: transparent}}",
         "render.background.type: the MP4 cannot keep it: add one of prores, vp9, webp to film.also",
     ),
+    "caustics of nothing": (
+        "render: {caustics: true, water: {type: matte}}",
+        "render.caustics: changes nothing: no look is of water or glass",
+    ),
+    "caustics without a lamp": (
+        "render: {caustics: true, lights: {sun: {strength: 0}}}",
+        "render.caustics: changes nothing: light of the environment alone",
+    ),
     "camera in a body": (
         "render: {camera: {position: [0, 0.2, 0.1], target: [0, 0, 0]}}",
         "render.camera.position: the camera begins inside 'ball'",
