@@ -43,8 +43,8 @@ def _add_softboxes(irradiance: float, box: Box, view: View) -> None:
 
 
 def _view_factor(edge: float, distance: float) -> float:
-    """Irradiance over radiant exitance: of a surface that faces a square from straight before it, in closed form the
-    sum over its four quarters."""
+    """Irradiance of a surface that faces a square lamp straight, over the lamp's power per area: in closed form the sum
+    over its four quarters."""
     half = edge / 2 / distance
     near = math.sqrt(1 + half**2)
     return 4 / math.pi * half / near * math.atan(half / near)

@@ -17,13 +17,13 @@ from render.content.changing.meshes import MovingMesh
 from render.content.changing.sheets import Sheet
 from render.content.containers import add_container, wall_thickness
 from render.content.framing import view_of
-from render.content.ground import add_ground
 from render.content.lights import add_lights
 from render.content.materials import default_body_look, default_sheet_look, make_material
 from render.content.meshes import COLOR_COLUMNS
 from render.content.nodes import Caustics
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.content.sets import add_set
+from render.content.sets.ground import add_ground
 from render.content.sets.site import Site
 from render.content.world import add_world
 from render.errors import Unusable

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from render.content.axes import Vector
-from render.content.ground import add_plain, surface_of
 from render.content.materials import make_material
 from render.content.nodes import rgba
+from render.content.sets.ground import add_plain, surface_of
 from render.content.sets.site import Site, add_mesh, add_slab
 
 MARGIN = 0.35

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from render.content.ground import add_plain
 from render.content.materials import make_material
+from render.content.sets.ground import add_plain
 from render.content.sets.site import Site
 from render.content.sets.walls import add_strip, seen_from_inside, sides
 from render.looks import tiles

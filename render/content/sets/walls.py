@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from render.content.axes import Vector
-from render.content.ground import surface_of
+from render.content.sets.ground import surface_of
 from render.content.sets.site import Site, add_mesh
 
 WIDE = 9.0
