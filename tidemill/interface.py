@@ -100,7 +100,8 @@ def reconstruct(scene: Scene, frame: Frame, threads: int = 1) -> Surface:
         raise Refused(f"{scene.name} has no fluid, so no surface", remedy="render it without")
     spec = ReconstructSpec.model_validate_json(Plan(scene, HOME).job("reconstruct").spec)
     solids = Bodies([frame.folder]).solids(frame.number, spec.vessels) if spec.surface.walls else []
-    return surface(frame.positions, frame.velocities, spec, solids=solids, threads=threads)
+    numbers = None if frame.fluid is None else frame.fluid["id"]
+    return surface(frame.positions, frame.velocities, spec, numbers=numbers, solids=solids, threads=threads)
 
 
 def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None = None) -> Path:

@@ -69,7 +69,8 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
                 )
             solids = bodies.solids(frame, spec.vessels if spec.surface.walls else ())
         with watch.phase("splashsurf"), at_once():
-            surface = reconstruct(positions, velocities, spec, solids=solids, threads=threads)
+            numbers = particles["id"] if "id" in particles.dtype.names else None
+            surface = reconstruct(positions, velocities, spec, numbers=numbers, solids=solids, threads=threads)
         with watch.phase("write"):
             write_whole(out / f"surface_{frame:05d}.ply", functools.partial(write_surface, **vars(surface)))
         rows.append(

@@ -1,4 +1,4 @@
-"""Lone drops: a particle that no other is near is a ball of its own volume.
+"""Lone drops: a particle that no other is near is a ball of its own volume, or spray of several smaller ones.
 
 Marching cubes are about as large as a drop, so that it would be angular, and smaller, larger or gone, as it happens to
 lie between them.
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 APART = 3.0
 """Least distance of lone particles from all others, in particle radii, however short the kernel: their balls, of 1.3
 radii, do not meet."""
+SMALLER = 0.6
+"""Of the volume of one drop of spray, the next has."""
+SPREAD = 0.6
+"""How far drops are from their particle at most, in spacings, before their middle is brought to it."""
 
 
 def alone(positions: np.ndarray, reach: float) -> np.ndarray:
@@ -28,20 +32,55 @@ def alone(positions: np.ndarray, reach: float) -> np.ndarray:
     return np.isinf(nearest[:, 0])
 
 
-def balls(centers: np.ndarray, velocities: np.ndarray, volume: float) -> Surface:
-    """Balls of a `volume` [m^3] each around `centers` [m] with `velocities` [m/s], float32, shape [k, 3]."""
+def spray(
+    centers: np.ndarray, velocities: np.ndarray, numbers: np.ndarray, spacing: float, count: int
+) -> tuple[Surface, np.ndarray, np.ndarray]:
+    """Drops of particles at `centers` [m] with `velocities` [m/s], float32, shape [k, 3], of `spacing` [m]: `count` of
+    each, around the particle, which is their centre of mass. Sizes and places are always the same for the same of the
+    `numbers`, shape [k]. And the drop of each vertex, and the volumes of the drops [m^3]."""
+    share = SMALLER ** np.arange(count)
+    share /= share.sum()
+    way = _directions(numbers, count) * SPREAD * spacing if count > 1 else np.zeros((len(centers), 1, 3))
+    way -= np.einsum("j,ijk->ik", share, way)[:, None]
+    volumes = np.tile(share * spacing**3, len(centers))
+    made = balls((centers[:, None] + way).reshape(-1, 3), np.repeat(velocities, count, axis=0), volumes)
+    return made, np.repeat(np.arange(len(volumes)), len(_unit_ball().vertices)), volumes
+
+
+def balls(centers: np.ndarray, velocities: np.ndarray, volumes: np.ndarray) -> Surface:
+    """Balls of `volumes` [m^3], shape [k], around `centers` [m] with `velocities` [m/s], shape [k, 3]."""
     if not len(centers):
         return Surface.empty()
     ball = _unit_ball()
     outwards, triangles = np.asarray(ball.vertices), np.asarray(ball.faces)
-    vertices = centers[:, None].astype(np.float64) + np.cbrt(volume / ball.volume) * outwards
+    radius = np.cbrt(volumes / ball.volume)
+    vertices = centers[:, None].astype(np.float64) + radius[:, None, None] * outwards
     corners = len(outwards) * np.arange(len(centers))[:, None, None] + triangles
     return Surface(
         vertices.reshape(-1, 3).astype(np.float32),
         np.tile(outwards, (len(centers), 1)).astype(np.float32),
-        np.repeat(velocities, len(outwards), axis=0),
+        np.repeat(velocities, len(outwards), axis=0).astype(np.float32),
         corners.reshape(-1, 3).astype(np.int32),
     )
+
+
+def _directions(numbers: np.ndarray, count: int) -> np.ndarray:
+    """Points spread evenly over a ball of radius 1, the same for the same number; shape [k, count, 3]."""
+    seed = numbers.astype(np.uint64)[:, None] * np.uint64(3 * count) + np.arange(3 * count, dtype=np.uint64)
+    first, second, third = np.moveaxis(_random(seed).reshape(-1, count, 3), 2, 0)
+    height, turn, radius = 2 * first - 1, 2 * np.pi * second, np.cbrt(third)
+    flat = np.sqrt(1 - height**2)
+    return radius[..., None] * np.stack([flat * np.cos(turn), height, flat * np.sin(turn)], axis=-1)
+
+
+def _random(state: np.ndarray) -> np.ndarray:
+    """Numbers from 0 to below 1 that look random, of whole numbers, uint64 (SplitMix64, Steele et al. 2014)."""
+    with np.errstate(over="ignore"):
+        mixed = (state + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+        mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mixed ^= mixed >> np.uint64(31)
+    return (mixed >> np.uint64(11)).astype(np.float64) / 2.0**53
 
 
 @cache

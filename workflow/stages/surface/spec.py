@@ -67,7 +67,9 @@ class SurfaceSpec(Settings):
     """Value of the colour field at the surface [1]: 0 is far outside, 1 is deep inside."""
     layers: Layers = Layers()
     drops: bool = True
-    """Draw each particle without neighbours as a ball of its volume."""
+    """Draw each particle without neighbours as drops of its volume."""
+    spray: Annotated[int, Ge(1), Le(16)] = 4
+    """Drops of each of these particles, of several sizes; 1 is a ball as large as the particle."""
     walls: bool = True
     """End flush with containers, planes and bodies where the fluid touches them, up to their edges."""
     volume: bool = True

@@ -10,7 +10,7 @@ import pysplashsurf
 from scipy.spatial import cKDTree
 
 from workflow.stages.surface.boundary import Boundary
-from workflow.stages.surface.drops import APART, alone, balls
+from workflow.stages.surface.drops import APART, alone, spray
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.mesh import Surface, area_normals
 from workflow.stages.surface.solids import Contacts, Solid, contacts
@@ -24,28 +24,33 @@ def reconstruct(
     velocities: np.ndarray,
     spec: ReconstructSpec,
     *,
+    numbers: np.ndarray | None = None,
     solids: Sequence[Solid] = (),
     threads: int = 1,
 ) -> Surface:
     """The surface of particles at `positions` [m] with `velocities` [m/s], float32, shape [n, 3]; n may be 0. It ends
-    flush with the planes of `spec` and with `solids`."""
+    flush with the planes of `spec` and with `solids`. By their `numbers`, shape [n], particles are the same drops of
+    spray in all frames; without them, by their order."""
     surface, spacing, count = spec.surface, 2 * spec.particle_radius, len(positions)
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, spacing, surface.layers, spec.walls)
-    drops = Surface.empty()
-    lone = np.zeros(len(positions), bool)
+    drops, lone = Surface.empty(), np.zeros(len(positions), bool)
     if surface.drops:
         lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
-        drops = flush(balls(positions[lone], velocities[lone], spacing**3), spec.walls)
+        # What fills gaps in layers comes behind the particles, and has no volume of its own.
+        own = np.flatnonzero(lone[:count])
+        number = own if numbers is None else numbers[own]
+        made = spray(positions[own], velocities[own], number, spacing, surface.spray)
+        drops = flush(made[0], spec.walls)
+    held = np.arange(len(positions))[~lone] < count
     positions, velocities = positions[~lone], velocities[~lone]
     boundary = Boundary(spec.walls, contacts(positions, solids, spacing), spacing)
     found = _found(*boundary.continued((positions, velocities)), spec, threads)
     found, on = boundary.flush(found, positions)
     if surface.volume:
-        # What fills gaps in layers comes behind the particles, and has no volume of its own.
-        held = np.arange(len(positions)) < count - int(lone[:count].sum())
         found = right_volume(found, on, positions[held], boundary.of(held), surface.normals.smoothing_iterations)
-        drops = right_drops(drops, int(lone.sum()), replace(boundary, touch=Contacts.none()))
+        if lone.any():
+            drops = right_drops(drops, *made[1:], replace(boundary, touch=Contacts.none()))
     return found + drops
 
 

@@ -62,13 +62,12 @@ def right_volume(
     return replace(found, normals=np.where(kept[:, None], surface.normals, normals).astype(np.float32))
 
 
-def right_drops(drops: Surface, count: int, boundary: Boundary) -> Surface:
-    """The surface of so many balls of one particle each, of which walls have cut off some."""
-    if not count or not boundary.walls:
+def right_drops(drops: Surface, drop: np.ndarray, volumes: np.ndarray, boundary: Boundary) -> Surface:
+    """The surface of drops of `volumes` [m^3], of which walls have cut off some; `drop` of each vertex."""
+    if not len(volumes) or not boundary.walls:
         return drops
-    piece = np.repeat(np.arange(count), len(drops.vertices) // count)
     _, on = boundary.flush(drops, np.empty((0, 3)))
-    return _filled(drops, piece, np.full(count, boundary.spacing**3), np.where(on, 0.0, 1.0), boundary)
+    return _filled(drops, drop, volumes, np.where(on, 0.0, 1.0), boundary)
 
 
 def _filled(surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, boundary: Boundary) -> Surface:

@@ -30,6 +30,10 @@ def surface(points: np.ndarray, velocities: np.ndarray | None = None, **settings
     return reconstruct(points, still, ReconstructSpec.model_validate({"particle_radius": RADIUS, **settings}))
 
 
+BALLS = {"spray": 1}
+"""One drop of each particle."""
+
+
 def scattered(count: int) -> np.ndarray:
     """Particles more than three spacings from one another, nowhere in particular on a grid; shape [count^3, 3]."""
     cells = lattice(count, count, count)
@@ -46,7 +50,7 @@ def test_spray_has_the_volume_of_its_particles(quality):
 def test_each_drop_is_round_closed_and_moves_as_its_particle():
     points = scattered(2)
     velocities = np.arange(3 * len(points)).reshape(-1, 3)
-    found = surface(points, velocities)
+    found = surface(points, velocities, surface=BALLS)
     assert open_edges(found.triangles) == 0
     assert len(found.vertices) - len(found.triangles) * 3 // 2 + len(found.triangles) == 2 * len(points)
     away = np.linalg.norm(found.vertices[:, None] - points, axis=2)
@@ -58,6 +62,39 @@ def test_each_drop_is_round_closed_and_moves_as_its_particle():
     assert length.max() - length.min() < 1e-6
     assert BALL < length.mean() < FACETED * BALL
     np.testing.assert_allclose(found.normals, arm / length[:, None], atol=1e-5)
+
+
+def drops_of(found: Surface) -> tuple[np.ndarray, np.ndarray]:
+    """Middles [m], shape [k, 3], and volumes [m^3] of balls of 42 vertices and 80 triangles each, shape [k]."""
+    middles = found.vertices.reshape(-1, 42, 3).astype(np.float64).mean(axis=1)
+    corners = found.vertices[found.triangles].astype(np.float64) - np.repeat(middles, 80, axis=0)[:, None]
+    return middles, np.linalg.det(corners).reshape(-1, 80).sum(axis=1) / 6
+
+
+@pytest.mark.parametrize("count", [2, 4, 9])
+def test_spray_keeps_mass_and_centre_of_each_particle(count):
+    points = scattered(2)
+    middles, volumes = drops_of(surface(points, surface={"spray": count}))
+    assert len(middles) == count * len(points)
+    mass = volumes.reshape(-1, count)
+    np.testing.assert_allclose(mass.sum(axis=1), SPACING**3, rtol=1e-4)
+    np.testing.assert_allclose(mass[:, 1:] / mass[:, :-1], 0.6, rtol=1e-3)
+    center = np.einsum("ij,ijk->ik", mass, middles.reshape(-1, count, 3)) / mass.sum(axis=1)[:, None]
+    np.testing.assert_allclose(center, points, atol=1e-4 * SPACING)
+    away = np.linalg.norm(middles.reshape(-1, count, 3) - points[:, None], axis=2)
+    assert away.mean() > 0.2 * SPACING and away.max() < 1.2 * SPACING
+
+
+def test_a_particle_is_the_same_drops_in_all_frames():
+    """Though others come before it, and wherever it has flown."""
+    points, numbers = scattered(2).astype(np.float32), np.arange(8) + 2**31
+    spec = ReconstructSpec(particle_radius=RADIUS)
+    early, _ = drops_of(reconstruct(points, points, spec, numbers=numbers))
+    shift = np.float32([0.5, -1, 0.25])
+    late, _ = drops_of(reconstruct(points[3:] + shift, points[3:], spec, numbers=numbers[3:]))
+    np.testing.assert_allclose(late - shift, early[12:], atol=1e-6)
+    ways = (early.reshape(8, 4, 3) - points[:, None])[:, 0]
+    assert np.linalg.norm(ways[:, None] - ways, axis=2)[np.triu_indices(8, 1)].min() > 0.01 * SPACING
 
 
 def test_what_others_are_near_is_left_to_the_surface_of_all():
@@ -90,7 +127,7 @@ def test_a_drop_changes_nothing_of_the_water_below_it():
 
 def test_a_drop_on_the_ground_is_flat_below():
     floor = Wall(normal=(0, 1, 0), offset=0)
-    found = surface([[0, RADIUS, 0]], [[1, -2, 0]], walls=[floor.model_dump()])
+    found = surface([[0, RADIUS, 0]], [[1, -2, 0]], walls=[floor.model_dump()], surface=BALLS)
     assert found.vertices[:, 1].min() == 0
     below = found.vertices[:, 1] == 0
     assert below.sum() >= 4
