@@ -10,7 +10,16 @@ import numpy as np
 from sim.bodies.wall import Wall
 from workflow.stages.surface.layers import Cloud
 from workflow.stages.surface.mesh import Surface
-from workflow.stages.surface.solids import Contacts, flush_with_solids, gone_on, heights_above
+from workflow.stages.surface.solids import (
+    Contacts,
+    Inside,
+    Solid,
+    contacts,
+    flush_with_solids,
+    gone_on,
+    heights_above,
+    inside,
+)
 from workflow.stages.surface.walls import continued, flush
 
 ON = 1e-3
@@ -23,22 +32,31 @@ class Boundary:
 
     walls: Sequence[Wall]
     touch: Contacts
+    within: Inside
     spacing: float
     """[m]"""
 
-    def of(self, particles: np.ndarray) -> Boundary:
-        """That of some of the particles, a mask."""
-        return replace(self, touch=self.touch.of(particles))
+    @classmethod
+    def around(cls, positions: np.ndarray, walls: Sequence[Wall], solids: Sequence[Solid], spacing: float) -> Boundary:
+        """Of particles at `positions` [m], shape [n, 3]."""
+        points = positions.astype(np.float64)
+        touch = contacts(points, solids, spacing)
+        return cls(walls, touch, inside(touch, points, spacing), spacing)
+
+    def of(self, positions: np.ndarray, particles: np.ndarray) -> Boundary:
+        """That of some of the particles at `positions` [m], a mask."""
+        touch = self.touch.of(particles)
+        return replace(self, touch=touch, within=inside(touch, positions[particles].astype(np.float64), self.spacing))
 
     def continued(self, cloud: Cloud) -> Cloud:
         """The same particles, followed by those that go on behind walls and inside solids."""
         behind = continued(cloud, self.spacing, self.walls)
-        return gone_on(behind, self.touch, self.spacing)
+        return gone_on(behind, self.touch, self.within)
 
     def flush(self, surface: Surface, fluid: np.ndarray) -> tuple[Surface, np.ndarray]:
         """The surface around `fluid` [m], shape [n, 3], that was continued, with nothing behind walls or inside solids;
         and which of its vertices lie on these, shape [m]."""
-        surface, on = flush_with_solids(flush(surface, self.walls), fluid, self.touch, self.spacing)
+        surface, on = flush_with_solids(flush(surface, self.walls), fluid, self.touch, self.within, self.spacing)
         for wall in self.walls:
             on |= wall.distance(surface.vertices.astype(np.float64)) < ON * self.spacing
         return surface, on

@@ -26,6 +26,12 @@ ELSEWHERE = 0.7
 """Cosine of the angle between two sides that a particle touches, at most."""
 CORNERS = 3
 """Times that what is behind sides is brought in front of each: they need not be at right angles."""
+MEETING, AGAINST = 2.8, -0.3
+"""How near, in spacings, what goes on inside from two sides may come to each other, so that a surface is between them,
+and the cosine of the angle between these, below which they are two: next to an edge of a body, fluid goes on from both.
+"""
+EVEN = 0.25
+"""Of two that are nearer the deeper one is left out, or both where their depths differ by less, in spacings."""
 SUNK = 0.01
 """How far the fluid reaches into what it touches, in spacings: two surfaces in one place would flicker."""
 ASTRAY = 0.1
@@ -136,6 +142,8 @@ def _touched(points: np.ndarray, solid: Solid, spacing: float) -> tuple[np.ndarr
         new = np.einsum("ij,ij->i", probe - points[near], away) < 0
         for _, _, known in found:
             new &= np.einsum("ij,ij->i", known, away) < ELSEWHERE
+        # beside an edge that the solid turns to the fluid, the plane of its other side is in the fluid
+        new[new] = np.linalg.norm(solid.closest(there[new]) - there[new], axis=1) < ASTRAY * spacing
         found.append((near, np.where(new[:, None], there, np.inf), away))
     particle, foot, normal = (np.concatenate(part) for part in zip(*found, strict=True))
     new = np.isfinite(foot).all(axis=1)
@@ -147,33 +155,58 @@ def _units(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.where(length > 0, length, 1.0)
 
 
-def gone_on(cloud: Cloud, touch: Contacts, spacing: float) -> Cloud:
-    """The same particles, followed by copies of those that touch, in lines straight into what they touch."""
+@dataclass(frozen=True)
+class Inside:
+    """Fluid that goes on inside solids."""
+
+    positions: np.ndarray
+    """[m], shape [m, 3]."""
+    contact: np.ndarray
+    """Index of the contact that each comes from, shape [m]."""
+
+
+def inside(touch: Contacts, fluid: np.ndarray, spacing: float) -> Inside:
+    """Copies of those of the particles at `fluid` [m], shape [n, 3], that touch, in lines straight into what they
+    touch, as far as nothing comes towards them from another side: they would meet in the middle of it."""
+    depth = touch.height[:, None] + spacing * np.arange(BEHIND)
+    places = (touch.foot[:, None] - depth[..., None] * touch.normal[:, None]).reshape(-1, 3)
+    contact = np.repeat(np.arange(len(touch.particle)), BEHIND)
+    if not len(contact):
+        return Inside(places, contact)
+    normal = touch.normal[contact]
+    first, second = KDTree(places).query_pairs(MEETING * spacing, output_type="ndarray").T
+    towards = np.einsum("ij,ij->i", normal[first], normal[second]) < AGAINST
+    deeper = (depth.ravel()[first] - depth.ravel()[second]) / spacing
+    free = np.ones(len(contact), bool)
+    free[first[towards & (deeper > -EVEN)]] = free[second[towards & (deeper < EVEN)]] = False
+    away, nearest = KDTree(fluid).query(places, distance_upper_bound=MEETING * spacing)
+    near = np.flatnonzero(np.isfinite(away))
+    way = fluid[nearest[near]] - touch.foot[contact[near]]
+    free[near[np.einsum("ij,ij->i", way, normal[near]) < 0]] = False
+    return Inside(places[free], contact[free])
+
+
+def gone_on(cloud: Cloud, touch: Contacts, within: Inside) -> Cloud:
+    """The same particles, followed by those inside, which move as those that they come from."""
     positions, velocities = cloud
     return (
-        np.concatenate([positions, _inside(touch, spacing).astype(np.float32)]),
-        np.concatenate([velocities, np.repeat(velocities[touch.particle], BEHIND, axis=0)]),
+        np.concatenate([positions, within.positions.astype(np.float32)]),
+        np.concatenate([velocities, velocities[touch.particle[within.contact]]]),
     )
 
 
-def _inside(touch: Contacts, spacing: float) -> np.ndarray:
-    """Where copies are [m], BEHIND of each contact one after another."""
-    depth = touch.height[:, None] + spacing * np.arange(BEHIND)
-    return (touch.foot[:, None] - depth[..., None] * touch.normal[:, None]).reshape(-1, 3)
-
-
 def flush_with_solids(
-    surface: Surface, fluid: np.ndarray, touch: Contacts, spacing: float
+    surface: Surface, fluid: np.ndarray, touch: Contacts, within: Inside, spacing: float
 ) -> tuple[Surface, np.ndarray]:
     """The surface, of which what was inside has come to the surface of the solids, and looks into them; and which of
     its vertices those are. `fluid`: all particles that are not inside [m], shape [n, 3]."""
     on = np.zeros(len(surface.vertices), bool)
-    if not len(touch.particle) or not len(surface.vertices):
+    if not len(within.contact) or not len(surface.vertices):
         return surface, on
     place, outwards = surface.vertices.astype(np.float64), surface.normals.copy()
-    away, nearest = KDTree(_inside(touch, spacing)).query(place, distance_upper_bound=BEYOND * spacing)
+    away, nearest = KDTree(within.positions).query(place, distance_upper_bound=BEYOND * spacing)
     near = np.flatnonzero(np.isfinite(away))
-    contact = nearest[near] // BEHIND
+    contact = within.contact[nearest[near]]
     flat = touch.in_front(place[near], contact)
     behind = (flat != place[near]).any(axis=1)
     near, contact, flat = near[behind], contact[behind], flat[behind]

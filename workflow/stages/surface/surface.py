@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pysplashsurf
@@ -13,7 +12,7 @@ from workflow.stages.surface.boundary import Boundary
 from workflow.stages.surface.drops import APART, alone, spray
 from workflow.stages.surface.layers import whole_layers
 from workflow.stages.surface.mesh import Surface, area_normals
-from workflow.stages.surface.solids import Contacts, Solid, contacts
+from workflow.stages.surface.solids import Solid
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.volume import right_drops, right_volume
 from workflow.stages.surface.walls import flush
@@ -44,13 +43,16 @@ def reconstruct(
         drops = flush(made[0], spec.walls)
     held = np.arange(len(positions))[~lone] < count
     positions, velocities = positions[~lone], velocities[~lone]
-    boundary = Boundary(spec.walls, contacts(positions, solids, spacing), spacing)
+    boundary = Boundary.around(positions, spec.walls, solids, spacing)
     found = _found(*boundary.continued((positions, velocities)), spec, threads)
     found, on = boundary.flush(found, positions)
     if surface.volume:
-        found = right_volume(found, on, positions[held], boundary.of(held), surface.normals.smoothing_iterations)
+        found = right_volume(
+            found, on, positions[held], boundary.of(positions, held), surface.normals.smoothing_iterations
+        )
         if lone.any():
-            drops = right_drops(drops, *made[1:], replace(boundary, touch=Contacts.none()))
+            around = Boundary.around(positions[:0], spec.walls, (), spacing)
+            drops = right_drops(drops, *made[1:], around)
     return found + drops
 
 

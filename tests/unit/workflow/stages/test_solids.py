@@ -122,6 +122,19 @@ def test_a_film_on_a_table_lies_on_it_and_has_its_volume() -> None:
     assert found.vertices[:, 1].min() > -FLUSH
 
 
+@pytest.mark.parametrize("thickness", [6.0, 3.0, 1.0])
+def test_water_on_both_sides_of_a_plate_is_not_in_it(thickness: float) -> None:
+    """As in a tank with a wall across, or around a pillar that is as thick as fluid goes on from both sides."""
+    high = np.concatenate([lattice((-8, thickness, -8), (8, 6 + thickness, 8)), lattice((-8, -6, -8), (8, 0, 8))])
+    plate = trimesh.creation.box([3, thickness * SPACING, 3])
+    plate.apply_translation([0, thickness * SPACING / 2, 0])
+    water = trimesh.Trimesh(*(getattr(made(high, placed(plate)), name) for name in ("vertices", "triangles")))
+    x, y, z = np.meshgrid(np.linspace(-6, 6, 9), np.linspace(0.2, 0.8, 4) * thickness, np.linspace(-6, 6, 9))
+    middle = SPACING * np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    assert water.volume == pytest.approx(len(high) * SPACING**3, rel=0.01)
+    assert not water.contains(middle).any()
+
+
 def test_a_body_may_be_turned_and_moved() -> None:
     turn = Rotation.from_euler("xyz", [0.3, 1.0, -2.0]).as_matrix()
     mesh, points = cup(1.0), in_cup()

@@ -8,7 +8,6 @@ import pytest
 from sim.bodies.wall import Wall
 from workflow.stages.surface.boundary import Boundary
 from workflow.stages.surface.mesh import Surface
-from workflow.stages.surface.solids import Contacts
 from workflow.stages.surface.spec import ReconstructSpec, SurfaceSpec
 from workflow.stages.surface.surface import reconstruct
 from workflow.stages.surface.volume import FARTHEST, right_volume
@@ -65,7 +64,9 @@ def made(cloud: np.ndarray, walls: tuple[Wall, ...] = (), **settings) -> Surface
 
 def righted(surface: Surface, points: np.ndarray) -> Surface:
     """In the air."""
-    return right_volume(surface, np.zeros(len(surface.vertices), bool), points, Boundary((), Contacts.none(), SPACING))
+    return right_volume(
+        surface, np.zeros(len(surface.vertices), bool), points, Boundary.around(points, (), (), SPACING)
+    )
 
 
 @pytest.mark.parametrize("walls", [(), (FLOOR,)], ids=["free", "on a floor"])
