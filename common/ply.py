@@ -28,6 +28,9 @@ _LONGEST_HEADER = 10_000
 _SURFACE_NAMES = ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")
 _SURFACE_VERTEX = np.dtype([(name, "<f4") for name in _SURFACE_NAMES])
 _TRIANGLE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
+_TEXTURED = [("corners", "u1"), ("uv", "<f4", (3, 2))], ["list uchar float texcoord"]
+_OF_A_MATERIAL = [("material", "<i4")], ["int texnumber"]
+"""What else a triangle may have, under the names that MeshLab gives to it."""
 
 
 class BadPly(Exception):
@@ -125,11 +128,17 @@ def write_mesh(
     colors: np.ndarray | None = None,
     velocities: np.ndarray | None = None,
     more: Mapping[str, np.ndarray] | None = None,
+    *,
+    uv: np.ndarray | None = None,
+    material: np.ndarray | None = None,
+    comments: Sequence[str] = (),
 ) -> None:
     """A binary little-endian PLY mesh: vertices [m], shape [n, 3], and triangles, shape [m, 3].
 
     `colors`: red, green and blue of the vertices from 0 to 255; more columns are left out. `velocities` of the vertices
-    [m/s], shape [n, 3]. `more`: numbers of the vertices by the names of their properties, shape [n] each.
+    [m/s], shape [n, 3]. `more`: numbers of the vertices by the names of their properties, shape [n] each. `uv`: places
+    in a texture at the corners of triangles, shape [m, 3, 2]; `material`: the number of that of each triangle, shape
+    [m].
     """
     more = more or {}
     channels = () if colors is None else ("red", "green", "blue")
@@ -152,21 +161,36 @@ def write_mesh(
         points["color"] = colors[:, :3]
     kinds = [f"float {name}" for name in ("x", "y", "z", *rates, *more)] + [f"uchar {channel}" for channel in channels]
     with whole(path) as stream:
-        _write_mesh(stream, points, kinds, faces)
+        _write_mesh(stream, points, kinds, faces, uv, material, comments)
 
 
-def _write_mesh(stream: BinaryIO, points: np.ndarray, properties: Sequence[str], triangles: np.ndarray) -> None:
+def _write_mesh(
+    stream: BinaryIO,
+    points: np.ndarray,
+    properties: Sequence[str],
+    triangles: np.ndarray,
+    uv: np.ndarray | None = None,
+    material: np.ndarray | None = None,
+    comments: Sequence[str] = (),
+) -> None:
     """Vertices, whose `properties` are of the kinds and names given, shape [n]; vertex indices, shape [m, 3]."""
-    faces = np.empty(len(triangles), _TRIANGLE)
+    more = [_TEXTURED] * (uv is not None) + [_OF_A_MATERIAL] * (material is not None)
+    faces = np.empty(len(triangles), [*_TRIANGLE.descr, *(field for fields, _ in more for field in fields)])
     faces["count"] = 3
     faces["vertices"] = triangles
+    if uv is not None:
+        faces["corners"], faces["uv"] = 6, uv
+    if material is not None:
+        faces["material"] = material
     header = [
         "ply",
         "format binary_little_endian 1.0",
+        *(f"comment {comment}" for comment in comments),
         f"element vertex {len(points)}",
         *(f"property {kind}" for kind in properties),
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
+        *(f"property {kind}" for _, kinds in more for kind in kinds),
         "end_header",
     ]
     stream.write(("\n".join(header) + "\n").encode("ascii"))

@@ -26,12 +26,24 @@ _CODES = {
 """PLY's types as codes of `struct`."""
 
 
+UNTURNED: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+_CORNERS = ("count", "corner", 3)
+_LISTS = {"vertex_indices": _CORNERS, "vertex_index": _CORNERS, "texcoord": ("coordinates", "uv", 6)}
+"""Lists at a triangle: what their length and their numbers are called here, and how many there are."""
+
+
 @dataclass(frozen=True)
 class TriangleMesh:
     """Columns of the vertices by name, each of n numbers, and the flat vertex indices [3 m] of m triangles."""
 
     columns: dict[str, Any]
     triangles: Any
+    uv: Any = None
+    """Places in a texture at the corners of triangles, flat [6 m]; None without."""
+    material: Any = None
+    """Number of the material of each triangle [m], -1 for none; None without."""
+    turned: tuple[float, ...] = UNTURNED
+    """Rotation matrix, row by row, from the axes of what it was made from to its own, in which y is up."""
 
     def vertex_count(self) -> int:
         """Length of the columns."""
@@ -47,7 +59,7 @@ class _Element:
     name: str
     count: int
     scalars: list[tuple[str, str]]
-    """Name and `struct` code of each property; a list property counts as its length and three indices."""
+    """Name and `struct` code of each property; a list property counts as its length and its numbers."""
 
 
 def read_mesh(path: Path) -> TriangleMesh:
@@ -73,54 +85,53 @@ def _read(path: Path, wanted: list[str]) -> TriangleMesh:
     except OSError as error:
         raise Unusable(f"cannot read {path}: {error.strerror}") from error
     try:
-        elements, start = _header(data, wanted)
-        columns, triangles = _read_numpy(data, elements, start) if np else _read_struct(data, elements, start)
+        elements, start, turned = _header(data, wanted)
+        tables = _tables(data, elements, start)
+        columns = tables[0]
+        triangles, uv, material = _faces(tables[1]) if "face" in wanted else (array("i"), None, None)
     except (ValueError, struct.error, KeyError, IndexError) as error:
         kind = "triangle mesh" if "face" in wanted else "point cloud"
         raise Unusable(f"{path} is not a whole binary {kind}: {error}\n  fix: {ANEW}") from error
-    _check(path, columns, triangles)
-    return TriangleMesh(columns, triangles)
+    _check(path, columns, triangles, uv)
+    return TriangleMesh(columns, triangles, uv, material, turned)
 
 
-def _header(data: bytes, wanted: list[str]) -> tuple[list[_Element], int]:
+def _header(data: bytes, wanted: list[str]) -> tuple[list[_Element], int, tuple[float, ...]]:
+    """The elements, where their data start, and how the mesh was turned."""
     end = data.find(b"end_header\n")
     if not data.startswith(b"ply\n") or end < 0:
         raise ValueError("no PLY header")
     elements: list[_Element] = []
+    turned = UNTURNED
     for line in data[:end].decode("ascii", "replace").splitlines():
         match line.split():
             case ["format", kind, _] if kind != "binary_little_endian":
                 raise ValueError(f"format {kind}")
+            case ["comment", "turned", *numbers] if len(numbers) == len(UNTURNED):
+                turned = tuple(map(float, numbers))
             case ["element", name, count]:
                 elements.append(_Element(name, int(count), []))
-            case ["property", "list", length, index, _]:
-                elements[-1].scalars.append(("length", _CODES[length]))
-                elements[-1].scalars.extend((f"corner{corner}", _CODES[index]) for corner in range(3))
+            case ["property", "list", length, number, name]:
+                count_name, stem, most = _LISTS[name]
+                elements[-1].scalars.append((count_name, _CODES[length]))
+                elements[-1].scalars.extend((f"{stem}{place}", _CODES[number]) for place in range(most))
             case ["property", kind, name]:
                 elements[-1].scalars.append((name, _CODES[kind]))
     if [element.name for element in elements[: len(wanted)]] != wanted:
         raise ValueError("expected " + " and ".join({"vertex": "vertices", "face": "faces"}[name] for name in wanted))
-    return elements[: len(wanted)], end + len(b"end_header\n")
+    return elements[: len(wanted)], end + len(b"end_header\n"), turned
 
 
-def _read_numpy(data: bytes, elements: list[_Element], start: int) -> tuple[dict[str, Any], Any]:
-    tables = []
+def _tables(data: bytes, elements: list[_Element], start: int) -> list[dict[str, Any]]:
+    """The columns of each element by name, with NumPy or as `array`."""
+    tables: list[dict[str, Any]] = []
     for element in elements:
-        dtype = np.dtype([(name, "<" + code) for name, code in element.scalars])
-        tables.append(np.frombuffer(data, dtype, element.count, start))
-        start += element.count * dtype.itemsize
-    columns = {name: tables[0][name] for name, _ in elements[0].scalars}
-    if len(tables) == 1:
-        return columns, np.empty(0, np.int32)
-    faces = tables[1]
-    if (faces["length"] != 3).any():
-        raise ValueError("a face is not a triangle")
-    return columns, np.stack([faces[f"corner{corner}"] for corner in range(3)], axis=1).astype(np.int32).ravel()
-
-
-def _read_struct(data: bytes, elements: list[_Element], start: int) -> tuple[dict[str, Any], Any]:
-    tables: list[dict[str, array]] = []
-    for element in elements:
+        if np:
+            dtype = np.dtype([(name, "<" + code) for name, code in element.scalars])
+            table = np.frombuffer(data, dtype, element.count, start)
+            tables.append({name: table[name] for name, _ in element.scalars})
+            start += element.count * dtype.itemsize
+            continue
         record = struct.Struct("<" + "".join(code for _, code in element.scalars))
         size = record.size * element.count
         if len(data) < start + size:
@@ -130,20 +141,36 @@ def _read_struct(data: bytes, elements: list[_Element], start: int) -> tuple[dic
         pairs = zip(element.scalars, columns, strict=True)
         tables.append({name: array(code, column) for (name, code), column in pairs})
         start += size
-    if len(tables) == 1:
-        return tables[0], array("i")
-    vertices, faces = tables
-    if any(length != 3 for length in faces["length"]):
+    return tables
+
+
+def _faces(table: dict[str, Any]) -> tuple[Any, Any, Any]:
+    """The flat indices of triangles, their places in a texture, and their materials."""
+    if any(length != 3 for length in _different(table["count"])):
         raise ValueError("a face is not a triangle")
-    triangles = array("i", bytes(12 * len(faces["length"])))
-    for corner in range(3):
-        triangles[corner::3] = array("i", faces[f"corner{corner}"])
-    return vertices, triangles
+    if any(length != 6 for length in _different(table.get("coordinates", ()))):
+        raise ValueError("a triangle has a place in the texture for another number of corners")
+    uv = _flat([table[f"uv{place}"] for place in range(6)], "f") if "uv0" in table else None
+    return _flat([table[f"corner{corner}"] for corner in range(3)], "i"), uv, table.get("texnumber")
 
 
-def _check(path: Path, columns: dict[str, Any], triangles: Any) -> None:
+def _different(column: Any) -> Any:
+    return np.unique(column) if np else set(column)
+
+
+def _flat(columns: list[Any], code: str) -> Any:
+    """Columns to one buffer, row by row."""
+    if np:
+        return np.stack(columns, axis=1).astype(np.dtype(code)).ravel()
+    flat = array(code, bytes(array(code).itemsize * len(columns) * len(columns[0])))
+    for place, column in enumerate(columns):
+        flat[place :: len(columns)] = array(code, column)
+    return flat
+
+
+def _check(path: Path, columns: dict[str, Any], triangles: Any, uv: Any) -> None:
     count = len(columns["x"])
-    for name, column in columns.items():
+    for name, column in {**columns, **({} if uv is None else {"the place in a texture": uv})}.items():
         finite = np.isfinite(column).all() if np else all(map(math.isfinite, column))
         if not finite:
             raise Unusable(f"{path}: {name} of a vertex is not finite\n  fix: {ANEW}")

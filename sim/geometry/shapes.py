@@ -118,7 +118,9 @@ def _scaled(mesh: trimesh.Trimesh, shape: MeshSurface, extent: float) -> trimesh
     vertices = mesh.vertices @ _TO_Y_UP[shape.up].T
     if shape.size is not None:
         vertices = vertices * (shape.size / extent)
-    return trimesh.Trimesh(vertices, mesh.faces, vertex_colors=vertex_colors(mesh), process=False, validate=False)
+    scaled = trimesh.Trimesh(vertices, mesh.faces, vertex_colors=vertex_colors(mesh), process=False, validate=False)
+    scaled.face_attributes.update(mesh.face_attributes)
+    return scaled
 
 
 def _anchored(mesh: trimesh.Trimesh, anchor: str) -> trimesh.Trimesh:
@@ -134,7 +136,8 @@ def _anchored(mesh: trimesh.Trimesh, anchor: str) -> trimesh.Trimesh:
 
 
 def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The result, which is `mesh` moved, in the colours that the nearest vertices have in the file, if it has any."""
+    """The result, which is `mesh` moved, in the colours that the nearest vertices have in the file, and with the
+    texture and materials of its faces, if it has any."""
     colors = vertex_colors(file)
     if colors is not None:
         from scipy.spatial import cKDTree
@@ -143,6 +146,10 @@ def _painted(result: trimesh.Trimesh, mesh: trimesh.Trimesh, file: trimesh.Trime
         used = np.unique(file.faces)
         nearest = used[cKDTree(file.vertices[used]).query(mesh.vertices)[1]]
         result.visual = ColorVisuals(result, vertex_colors=colors[nearest])
+    if file.face_attributes:
+        from sim.geometry.meshes.texturing import of_faces
+
+        result.face_attributes.update(of_faces(mesh, file))
     return result
 
 

@@ -178,9 +178,23 @@ class Output:
     def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
         if name not in self._meshes:
             self._meshes.add(name)
-            vertices, faces, colors = given(item.solid.triangles)
+            surface = given(item.solid.triangles)
             centre = np.zeros(3) if item.hollow else item.centre
-            write_mesh(self.folder / f"{kind}_{name}.ply", vertices - centre, faces, colors)
+            write_mesh(
+                self.folder / f"{kind}_{name}.ply",
+                surface.vertices - centre,
+                surface.faces,
+                surface.colors,
+                uv=surface.uv,
+                material=surface.material,
+                comments=_own_axes(item.solid.pose.rotation),
+            )
+
+
+def _own_axes(rotation: np.ndarray) -> list[str]:
+    """What a mesh file says of how it was turned when it was placed: nothing, or the rotation matrix row by row."""
+    same = bool((rotation == np.eye(3)).all())
+    return [] if same else ["turned " + " ".join(f"{number:.9g}" for number in rotation.ravel())]
 
 
 def _body_states(items: Sequence[Obstacle], time: float) -> Iterator[list[float]]:

@@ -67,7 +67,7 @@ class Bodies:
 
         if path not in self._read_already:
             try:
-                mesh = trimesh.load_mesh(path, process=False)
+                mesh = trimesh.load_mesh(path, process=False, fix_texture=False)
             except (OSError, ValueError, KeyError, IndexError) as error:
                 raise Refused(f"{path} is not a mesh: {error!r}", remedy="delete it, and simulate it again") from None
             self._read_already[path] = Body(mesh, closed=closed)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import struct
 import zipfile
 from io import BytesIO
 from pathlib import Path
@@ -11,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from common import gltf, wavefront
 from scene.settings import Refused
-from sim.geometry.triangles import vertex_colors
+from sim.geometry.triangles import MATERIAL, UV, vertex_colors
 
 if TYPE_CHECKING:
     import trimesh
@@ -43,9 +43,11 @@ _REFUSED = {
 def read(path: Path) -> trimesh.Trimesh:
     """All triangles of a file as they are there, with the colours of its vertices; objects are placed as it says.
 
-    Lengths are the file's numbers, but metres where it names their unit, as 3MF does.
+    Lengths are the file's numbers, but metres where it names their unit, as 3MF does. Faces have the attributes UV,
+    places in a texture at their corners, shape [m, 3, 2], and MATERIAL, the number of their material in the file or -1,
+    shape [m], where the file has such.
 
-    No other file is read, whatever it names: materials and textures are left out.
+    No other file is read, whatever it names: of materials there is only the number.
 
     Raises `Refused` for other formats, and for a file that cannot be read as triangles.
     """
@@ -58,9 +60,7 @@ def read(path: Path) -> trimesh.Trimesh:
         )
         raise Refused(f"{path.name!r} {says}", remedy=remedy)
     try:
-        if kind in (".gltf", ".glb"):
-            _refuse_gltf(path)
-        loaded = _built(path) if kind == ".3mf" else _whole(_scene(path), path)
+        loaded = _built(path) if kind == ".3mf" else _READERS.get(kind, _plain)(path)
         vertices, faces = np.asarray(loaded.vertices), np.asarray(loaded.faces)
         colors = vertex_colors(loaded)
     except Refused:
@@ -70,20 +70,65 @@ def read(path: Path) -> trimesh.Trimesh:
             f"{path.name!r} cannot be read as a triangle mesh ({type(error).__name__}: {error})",
             remedy=f"Give a file with triangles in one of the formats {', '.join(FORMATS.values())}",
         ) from error
-    return trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, validate=False)
+    found = trimesh.Trimesh(vertices, faces, vertex_colors=colors, process=False, validate=False)
+    found.face_attributes.update(loaded.face_attributes)
+    return found
 
 
-def _scene(path: Path) -> trimesh.Scene:
+def _plain(path: Path) -> trimesh.Trimesh:
+    return _whole(_scene(path, path.read_bytes()), path)
+
+
+def _scene(path: Path, content: bytes, **options: Any) -> trimesh.Scene:
     """What the bytes of a file hold: without its path there is no way to another file."""
     import trimesh
 
     kind = path.suffix[1:].lower()
-    options: dict[str, Any] = {"ply": {"skip_materials": True}, "3mf": {"postprocess": False}}.get(kind, {})
-    return trimesh.load_scene(BytesIO(path.read_bytes()), file_type=kind, process=False, **options)
+    options |= {"ply": {"skip_materials": True}, "3mf": {"postprocess": False}}.get(kind, {})
+    return trimesh.load_scene(BytesIO(content), file_type=kind, process=False, **options)
 
 
-def _whole(scene: trimesh.Scene, path: Path) -> trimesh.Trimesh:
-    """All that a scene places, as one mesh."""
+class _Names:
+    """Stands for every file that an OBJ names: materials of these names, and no more."""
+
+    def __init__(self, names: list[str]):
+        self._content = "".join(f"newmtl {name}\n" for name in names).encode()
+
+    def __getitem__(self, _name: str) -> bytes:
+        return self._content
+
+
+def _obj(path: Path) -> trimesh.Trimesh:
+    content = path.read_bytes()
+    names = wavefront.materials(content)
+    whole = _whole(_scene(path, content), path)
+    if not (names and wavefront.libraries(content)):
+        return whole
+    # Where faces have materials, the reader leaves out the colours of vertices: so it reads twice.
+    named = _whole(_scene(path, content, resolver=_Names(names)), path, {name: at for at, name in enumerate(names)})
+    whole.face_attributes.update(named.face_attributes)
+    return whole
+
+
+def _gltf(path: Path) -> trimesh.Trimesh:
+    content = path.read_bytes()
+    head, rest = gltf.parted(content)
+    _refuse_gltf(path, head, len(content))
+    numbers = [str(number) for number in range(len(head.get("materials", ())))]
+    head = {key: value for key, value in head.items() if key not in {"images", "textures", "samplers"}}
+    head["materials"] = [{"name": number} for number in numbers]
+    binary = path.suffix.lower() == ".glb"
+    content = gltf.joined(head, rest) if binary else json.dumps(head).encode()
+    return _whole(_scene(path, content), path, {number: int(number) for number in numbers})
+
+
+_READERS = {".obj": _obj, ".glb": _gltf, ".gltf": _gltf}
+
+
+def _whole(scene: trimesh.Scene, path: Path, materials: dict[str, int] | None = None) -> trimesh.Trimesh:
+    """All that a scene places, as one mesh; `materials` has their numbers by their names."""
+    import trimesh
+
     placed = [scene.graph[node][1] for node in scene.graph.nodes_geometry]
     triangles = sum(len(scene.geometry[name].faces) for name in placed)
     if triangles > MOST_TRIANGLES:
@@ -91,7 +136,31 @@ def _whole(scene: trimesh.Scene, path: Path) -> trimesh.Trimesh:
             f"{path.name!r} places {triangles:,} triangles, at most {MOST_TRIANGLES:,} are read",
             remedy="Export a coarser mesh, or fewer copies of it",
         )
-    return scene.to_mesh()
+    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh)]
+    whole: Any = trimesh.util.concatenate(parts)
+    whole.face_attributes.update(_attributes(parts, materials or {}))
+    return whole
+
+
+def _attributes(parts: list[trimesh.Trimesh], materials: dict[str, int]) -> dict[str, np.ndarray]:
+    """UV and MATERIAL of the faces of all parts, one part after another, where any of them has such."""
+    from trimesh.visual import TextureVisuals
+
+    known, places, numbers = False, [], []
+    for part in parts:
+        visual = part.visual if isinstance(part.visual, TextureVisuals) else None
+        uv = None if visual is None or visual.uv is None else np.asarray(visual.uv, dtype=np.float64)
+        if uv is not None and uv.shape == (len(part.vertices), 2) and np.isfinite(uv).all():
+            known = True
+            places.append(uv[part.faces])
+        else:
+            places.append(np.zeros((len(part.faces), 3, 2)))
+        name = None if visual is None else getattr(visual.material, "name", None)
+        numbers.append(np.full(len(part.faces), materials.get(str(name), -1)))
+    found = {UV: np.concatenate(places)} if known else {}
+    if any((number >= 0).any() for number in numbers):
+        found[MATERIAL] = np.concatenate(numbers)
+    return found
 
 
 def _built(path: Path) -> trimesh.Trimesh:
@@ -112,7 +181,7 @@ def _built(path: Path) -> trimesh.Trimesh:
                 f"{path.name!r} builds {parts:,} parts, at most {MOST_PARTS:,} are read",
                 remedy="Export it as GLB or PLY",
             )
-        scene = _scene(path)
+        scene = _scene(path, path.read_bytes())
     except (StopIteration, KeyError) as error:  # no file of that name in the archive; no item of the build
         raise Refused(
             f"{path.name!r} holds no model (3D/3dmodel.model), or one that lacks a part, as what it builds",
@@ -152,19 +221,12 @@ def _parts(path: Path) -> int:
     return built
 
 
-def _refuse_gltf(path: Path) -> None:
+def _refuse_gltf(path: Path, head: dict[str, Any], size: int) -> None:
     """Refuse what is in another file, whose change would not be noticed, and more numbers than there are bytes."""
-    content = path.read_bytes()
-    if path.suffix.lower() == ".glb":
-        (length,) = struct.unpack_from("<I", content, 12)
-        header: dict[str, Any] = json.loads(content[20 : 20 + length])
-    else:
-        header = json.loads(content)
-    uris = [item.get("uri", "data:") for item in header.get("buffers", ())]
-    if apart := [uri for uri in uris if not uri.startswith("data:")]:
+    uris = [item.get("uri", gltf.EMBEDDED) for item in head.get("buffers", ())]
+    if apart := [uri for uri in uris if not uri.startswith(gltf.EMBEDDED)]:
         raise Refused(f"{path.name!r} has its triangles in another file, {apart[0]!r}", remedy="Export it as GLB")
-    most = max((item.get("count", 0) for item in header.get("accessors", ())), default=0)
-    if most > len(content):
-        raise Refused(
-            f"{path.name!r} promises {most:,} of a thing, in {len(content):,} bytes", remedy="Export it again, as PLY"
-        )
+    most = max((item.get("count", 0) for item in head.get("accessors", ())), default=0)
+    if most > size:
+        message = f"{path.name!r} promises {most:,} of a thing, in {size:,} bytes"
+        raise Refused(message, remedy="Export it again, as PLY")

@@ -1,10 +1,13 @@
 """Meshes that a run writes."""
 
+import bpy
 import numpy as np
 import pytest
 import trimesh
 
 from common.ply import read_mesh, write_mesh
+from render.content import ply
+from render.errors import Unusable
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]])
 FACES = np.array([[0, 1, 2]])
@@ -35,3 +38,33 @@ def test_more_numbers_of_vertices_keep_their_names(tmp_path):
     assert points["thickness"].tolist() == [1, 2, 3]
     assert points["vz"].tolist() == [0, 0, -0.5]
     assert (faces == FACES).all()
+
+
+UV = np.array([[[0, 0], [1, 0], [0.25, 0.5]]])
+
+
+def test_places_in_textures_are_those_of_other_programs(tmp_path):
+    """Of MeshLab, whose names trimesh reads; Blender's reader leaves them out."""
+    path = tmp_path / "body.ply"
+    write_mesh(path, VERTICES, FACES, COLORS, uv=UV, material=np.array([2]), comments=["turned"])
+    found = trimesh.load_mesh(path, process=False)
+    assert found.visual.uv[found.faces] == pytest.approx(UV)
+    assert found.vertices[found.faces] == pytest.approx(VERTICES[FACES])
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert bpy.ops.wm.ply_import(filepath=str(path)) == {"FINISHED"}
+    assert len(bpy.data.meshes["body"].polygons) == 1
+
+
+@pytest.mark.parametrize("numpy", [True, False])
+def test_the_render_stage_reads_them(tmp_path, monkeypatch, numpy):
+    path = tmp_path / "body.ply"
+    turned = "turned 0 -1 0 1 0 0 0 0 1"
+    write_mesh(path, VERTICES, FACES, uv=UV, material=np.array([2]), comments=[turned])
+    monkeypatch.setattr(ply, "np", np if numpy else None)
+    mesh = ply.read_mesh(path)
+    assert list(mesh.triangles) == [0, 1, 2]
+    assert list(mesh.uv) == UV.ravel().tolist() and list(mesh.material) == [2]
+    assert mesh.turned == (0, -1, 0, 1, 0, 0, 0, 0, 1)
+    write_mesh(path, VERTICES, FACES, uv=np.full((1, 3, 2), np.nan))
+    with pytest.raises(Unusable, match="place in a texture"):
+        ply.read_mesh(path)
