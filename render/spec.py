@@ -6,22 +6,23 @@ Lengths are in metres and y is up, as in the simulation. A direction is given by
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from render.camera_settings import Camera, camera_is_there, changed
 from render.color import Color, srgb
-from render.looks.spec import Fraction, Look, Matte, Water
+from render.looks.spec import Look, Matte, Water
 from render.sets import Set, with_set
+from render.texturing.spec import Fraction, Picture, Place, images_of
 from scene.settings import Name, Settings
 from scene.units import Angle, Dimensionless, Length, Position, PositiveLength, Unit
 
 Pixels = Annotated[int, Ge(16), Le(16384)]
 Irradiance = Annotated[float, Ge(0), Le(1e6), Unit("W/m^2")]
 Power = Annotated[float, Ge(0), Le(1e9), Unit("W")]
-PANORAMAS = (".hdr", ".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 def _water_unless_told(value: Any) -> Any:
@@ -67,19 +68,12 @@ class Environment(Settings):
 
     light: Literal["city", "courtyard", "forest", "interior", "night", "studio", "sunrise", "sunset"] = "forest"
     """A panorama that Blender brings."""
-    file: Annotated[str, Field(min_length=1)] | None = None
+    file: Picture | None = None
     """Instead of `light`: an HDR panorama (.hdr, .exr; equirectangular), relative to the scene file."""
     strength: Annotated[Dimensionless, Ge(0), Le(1e6)] = 0.4
     """Factor on the panorama's brightness; 0 switches it off."""
     rotation: Angle = 0.0
     """Turn of the panorama about the vertical."""
-
-    @model_validator(mode="after")
-    def _is_a_picture(self) -> Self:
-        """Not a film: one may be a list of addresses from which Blender fetches its parts."""
-        if self.file is not None and not self.file.lower().endswith(PANORAMAS):
-            raise ValueError(f"file must end in {', '.join(PANORAMAS)}: save the panorama as one of these")
-        return self
 
     @model_validator(mode="after")
     def _one_panorama(self) -> Self:
@@ -148,6 +142,17 @@ class Ground(Settings):
     height: Length | None = None
     """[m]; without it, that of the level plane among the bodies, or of the lowest point of the action."""
     material: Look = Matte(type="matte", color=srgb("#dcd6cc"))
+    """An image on it is as wide as the diagonal of the box of the action, unless it has a `texture_size`, and lies with
+    its top to the back."""
+
+    @field_validator("material")
+    @classmethod
+    def _images_lie_flat(cls, look: Any) -> Any:
+        if look.type == "imported" or getattr(look, "projection", None) in {"uv", "sphere"}:
+            raise ValueError(
+                "images lie flat on the ground, whose materials no file brings: give another type, or projection box"
+            )
+        return look
 
 
 class Walls(Settings):
@@ -236,11 +241,28 @@ class RenderSpec(Settings):
             raise ValueError("background: {type: environment} needs lights.environment.strength above 0")
         return self
 
+    @field_validator("water", "foam")
+    @classmethod
+    def _no_image_on_what_flows(cls, look: Any) -> Any:
+        if look.type == "imported" or any(images_of(look)):
+            raise ValueError("no image lies on what flows: leave it out, and give another type or a color")
+        return look
+
     def named_bodies(self) -> tuple[str, ...]:
         """The keys of `materials`: each must be the name of a body, sheet or container of the scene."""
         return tuple(self.materials)
 
-    def assets(self) -> tuple[tuple[tuple[str, ...], str], ...]:
+    def assets(self) -> tuple[tuple[Place, str], ...]:
         """Files that the pictures depend on: path of keys within `render:`, and the file as written."""
-        file = self.lights.environment.file
-        return () if file is None else ((("lights", "environment", "file"), file),)
+        return tuple((place, file) for place, file, _ in self.images())
+
+    def images(self) -> Iterator[tuple[Place, str, int | None]]:
+        """Likewise, with the number of the image in its file, None where that is the image."""
+        panorama = self.lights.environment.file
+        if panorama is not None:
+            yield ("lights", "environment", "file"), panorama, None
+        looks: dict[Place, Any] = {("materials", name): look for name, look in self.materials.items()}
+        looks[("ground", "material")] = self.ground.material
+        for place, look in looks.items():
+            for within, file, index in images_of(look):
+                yield (*place, *within), file, index

@@ -18,8 +18,8 @@ from common.distribution import HOME
 from scene.diagnostics.suggestions import similar
 from scene.settings import Refused
 
-# Two characters at least, so that the drive letter of a Windows path is not taken for a package.
-_IN_PACKAGE = re.compile(r"(?P<package>[A-Za-z_]\w+):(?P<path>.+)", re.DOTALL)
+IN_PACKAGE = re.compile(r"(?P<package>[A-Za-z_]\w+):(?P<path>.+)", re.DOTALL)
+"""How a file of a package is named; in two characters at least, so that the drive letter of a Windows path is none."""
 
 ALLOWED = "TIDEMILL_ALLOW"
 """Of the environment: the folders that the user allows, parted as those of PATH, so that jobs find them."""
@@ -47,7 +47,7 @@ def resolve(file: str, folder: Path) -> Path:
 
     Raises `Refused` when there is no such readable file, and for one that lies where scenes may not read.
     """
-    if match := _IN_PACKAGE.fullmatch(file):
+    if match := IN_PACKAGE.fullmatch(file):
         root = _package_folder(match["package"], file)
         inside = match["path"]
         path = (root / inside).resolve()

@@ -13,12 +13,14 @@ from pydantic import Field, ValidationError
 
 from common.distribution import HOME
 from render.spec import RenderSpec
+from render.texturing.spec import Imported, images_of
 from scene import assets
 from scene.diagnostics.problems import explain
 from scene.diagnostics.suggestions import suggestion
 from scene.diagnostics.support import refuse_unsupported
 from scene.document import Document, SceneError, dotted
-from scene.names import FLUID, resolve, resolve_one
+from scene.imported.bodies import about_image, with_imported
+from scene.names import FLUID, Named, resolve, resolve_one
 from scene.presets import QUALITIES, Quality, below
 from scene.reader import assign, read
 from scene.settings import Caution, Refused
@@ -137,10 +139,11 @@ def compose(document: Document, path: Path, quality: str, root: Path | None = No
         _check_across_stages(scene)
         _check_writes(scene, root or Path.cwd())
         refuse_unsupported(scene.simulation)
+        scene = replace(scene, render=with_imported(scene.render, resolve(scene.simulation), scene.folder))
         digests = _find_assets(scene)
     except Refused as refused:
         raise scene.error(refused) from None
-    return Scene(**{**vars(scene), "assets": digests})
+    return replace(scene, assets=digests)
 
 
 def combination_of(scene: Scene, name: str, overrides: Sequence[str] = ()) -> Scene:
@@ -235,6 +238,21 @@ def _check_across_stages(scene: Scene) -> None:
         if kind in FLUID:
             message = f"'{name}' is {kind}: all of the fluid has one look"
             raise Refused(message, location=location, remedy="give it as render.water, which may be of any type")
+        _check_images(name, scene.render.materials[name], found[name])
+
+
+def _check_images(name: str, look: Any, item: Named) -> None:
+    """Images lie on rigid bodies that end somewhere."""
+    shape = getattr(item.body, "shape", None)
+    if item.kind == "a rigid body" and getattr(shape, "type", None) != "plane":
+        return
+    first = next(images_of(look), None)
+    if first is not None or isinstance(look, Imported):
+        where = first[0] if first is not None else ("type",)
+        kind = "a plane" if item.kind == "a rigid body" else item.kind
+        message = f"'{name}' is {kind}: images lie on rigid bodies alone, and on the ground"
+        remedy = "give it a color, or give the image to render.ground.material, with a texture_size"
+        raise Refused(message, location=("render", "materials", name, *where), remedy=remedy)
 
 
 def _check_writes(scene: Scene, root: Path) -> None:
@@ -252,11 +270,16 @@ def _find_assets(scene: Scene) -> dict[str, str]:
         for location, body in scene.simulation.placements()
         if isinstance(getattr(body, "shape", None), MeshSurface)
     ]
-    wanted += [(("render", *location), file) for location, file in scene.render.assets()]
     digests = {}
     for location, file in wanted:
         try:
             digests[file] = assets.digest(assets.resolve(file, scene.folder))
         except Refused as refused:
             raise refused.at(*location) from None
+    for place, file in scene.render.assets():
+        if file not in digests:
+            try:
+                digests[file] = assets.digest(assets.resolve(file, scene.folder))
+            except Refused as refused:
+                raise about_image(refused, place, resolve(scene.simulation), scene.render) from None
     return digests

@@ -114,7 +114,7 @@ def _check(options: argparse.Namespace) -> int:
     from scene.load import combination_of
     from scene.presets import QUALITIES
     from sim.checks.preview import preview
-    from workflow.plan.foreseen import cautions, refuse_panorama
+    from workflow.plan.foreseen import cautions, refuse_pictures
 
     qualities = [options.quality] if options.quality else list(QUALITIES)
     try:
@@ -122,7 +122,7 @@ def _check(options: argparse.Namespace) -> int:
             scene = _load(options, quality)
             try:
                 found = preview(scene.simulation, scene.folder)
-                refuse_panorama(scene)
+                refuse_pictures(scene, found)
             except Refused as refused:
                 raise scene.error(refused) from None
             print(f"{options.scene} ({quality}): {scene.last_frame + 1} frames, {found.contents}")

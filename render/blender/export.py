@@ -118,7 +118,7 @@ def _write_blend(scene: Scene, job: Job, path: Path, report: Report) -> None:
                 show_only(thing, seen, when)
         report({"frame": frame, "wall_s": 0.0})
     for image in bpy.data.images:
-        if image.source == "FILE":
+        if image.source == "FILE" and image.packed_file is None:
             image.pack()
     bpy.context.scene.frame_set(job.first)
     _write(path, bpy.ops.wm.save_as_mainfile, copy=True, compress=True)

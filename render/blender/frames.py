@@ -78,7 +78,7 @@ def _render(to_file: bool) -> None:
 
 def _save_blend(path: Path) -> None:
     for image in bpy.data.images:
-        if image.source == "FILE":
+        if image.source == "FILE" and image.packed_file is None:
             image.pack()
     try:
         check(bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, compress=True), "saving the scene")

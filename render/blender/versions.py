@@ -73,6 +73,14 @@ def count_corners(mesh: Any, faces: int) -> None:
         mesh.polygons.foreach_set("loop_total", array("i", [3]) * faces)
 
 
+def set_uv(layer: Any, uv: Any) -> None:
+    """Set all of a layer of places in images, flat; until 3.4 they had another name."""
+    if hasattr(layer, "uv"):
+        layer.uv.foreach_set("vector", uv)
+    else:
+        layer.data.foreach_set("uv", uv)
+
+
 def show_edges(mesh: Any, angle: float) -> None:
     """Show an edge where smooth faces meet at more than an angle [rad]; until 4.0 the mesh had a setting for it."""
     if hasattr(mesh, "set_sharp_from_angle"):

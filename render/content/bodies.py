@@ -6,19 +6,22 @@ from typing import Any
 
 from mathutils import Quaternion, Vector
 
-from render.content.meshes import add_object, build_mesh, sharpen
+from render.content.meshes import add_object, build_mesh, divide, lay, sharpen
 from render.content.motion import PLACE, blur, forget, show_only
 from render.content.ply import TriangleMesh
 from render.inputs import Pose
 
 
 class Body:
-    """A rigid body in the scene."""
+    """A rigid body in the scene; `uv` says where images lie on it, flat [6 m]."""
 
-    def __init__(self, name: str, source: TriangleMesh, material: Any):
+    def __init__(self, name: str, source: TriangleMesh, *materials: Any, uv: Any = None):
         mesh = build_mesh(name, source)
         sharpen(mesh)
-        self.thing = add_object(name, mesh, material)
+        lay(mesh, uv)
+        if source.material is not None and len(materials) > 1:
+            divide(mesh, source.material, len(materials))
+        self.thing = add_object(name, mesh, *materials)
         self.thing.rotation_mode = "QUATERNION"
 
     def key(self, pose: Pose | None, frame: int) -> None:

@@ -11,6 +11,7 @@ from render.blender import versions
 from render.blender.session import bpy
 from render.content.nodes import Caustics, Graph, rgba
 from render.looks import load_look
+from render.texturing.nodes import put_images
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
 """Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
@@ -38,6 +39,7 @@ def make_material(
     material = bpy.data.materials.new(name)
     graph = Graph.new(material, rests, thick, caustics)
     surface, volume = load_look(look)(graph, look, size)
+    put_images(graph, name, look)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)
     output = graph.node("OutputMaterial", {"Surface": surface})
@@ -58,6 +60,19 @@ def _varied(look: Any, name: str) -> Any:
     brighter = min(value * (1 + variation * gain), 1.0)
     color = colorsys.hsv_to_rgb((hue + HUES * variation * turn) % 1, saturation, brighter)
     return SimpleNamespace(**vars(look) | {"color": color})
+
+
+def make_materials(
+    name: str, look: Any, size: float, tinted: bool, otherwise: Any, caustics: Caustics | None = None
+) -> list[Any]:
+    """The Blender materials of a body, by the numbers that its faces have: one, or those of its mesh file and, last,
+    what faces without any have. Without `caustics` light passes straight through what is clear."""
+    if look.type != "imported":
+        return [make_material(name, look, size, tinted=tinted, caustics=caustics)]
+    parts = [SimpleNamespace(**vars(part) | {"type": look.type, "owner": name}) for part in look.materials]
+    own = [(f"{name} {part.name}".rstrip(), part) for part in parts]
+    kinds = {"tinted": tinted, "caustics": caustics}
+    return [make_material(label, part, size, **kinds) for label, part in [*own, (name, otherwise)]]
 
 
 def default_body_look(index: int, tinted: bool = False) -> Any:

@@ -86,13 +86,25 @@ def _light(*channels: Any) -> array:
     return flat
 
 
+def lay(mesh: Any, uv: Any) -> None:
+    """Say where in images the corners of triangles are, flat [6 m]; nothing for None."""
+    if uv is not None and len(mesh.polygons):
+        versions.set_uv(mesh.uv_layers.new(name="UVMap"), uv)
+
+
+def divide(mesh: Any, material: Any, count: int) -> None:
+    """Say which of `count` materials each triangle has, the last where it has none of its own; shape [m]."""
+    last = count - 1
+    mesh.polygons.foreach_set("material_index", array("i", (n if 0 <= n < last else last for n in material.tolist())))
+
+
 def sharpen(mesh: Any) -> None:
     """Show the edges of a solid body, and keep its curved faces smooth."""
     versions.show_edges(mesh, SHARP_ANGLE)
 
 
 def add_object(name: str, mesh: Any, *materials: Any) -> Any:
-    """Put a mesh into the scene; its faces have the first of the materials."""
+    """Put a mesh into the scene; its faces have the first of the materials, unless they are divided among them."""
     thing = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(thing)
     dress(thing, *materials)
@@ -103,7 +115,7 @@ def dress(thing: Any, *materials: Any) -> None:
     """Give an object its materials, whatever mesh it has next: the slots belong to the object."""
     while len(thing.data.materials) < len(materials):
         thing.data.materials.append(None)
-    for slot, material in zip(thing.material_slots, materials, strict=True):
+    for slot, material in zip(thing.material_slots, materials, strict=False):
         slot.link = "OBJECT"
         slot.material = material
 

@@ -77,6 +77,12 @@ class Graph:
         else:
             socket.default_value = value
 
+    def feed_shaders(self, kinds: Sequence[str], keys: Sequence[str], value: Any) -> None:
+        """Feed those of these inputs that shaders of these types have."""
+        for node in [node for node in self.tree.nodes if node.type in kinds]:
+            for key in keys:
+                self.feed(node, key, value)
+
     def override(self, key: str, value: Any) -> None:
         """Set an input of every Principled BSDF, in place of what it was linked to."""
         for node in (node for node in self.tree.nodes if node.type == "BSDF_PRINCIPLED"):
@@ -128,3 +134,13 @@ class Graph:
     def mix_colors(self, share: Any, first: Any, second: Any) -> Any:
         """Blend of two linear colours: `second` where `share` is 1."""
         return self.node("MixRGB", {0: share, 1: first, 2: second}).outputs[0]
+
+    def multiply_colors(self, first: Any, second: Any) -> Any:
+        """Product of two linear colours."""
+        return self.node("MixRGB", {0: 1.0, 1: first, 2: second}, blend_type="MULTIPLY").outputs[0]
+
+    def channel(self, color: Any, name: str | None) -> Any:
+        """Red, green or blue of a colour; its brightness without a name."""
+        if name is None:
+            return self.node("RGBToBW", {0: color}).outputs[0]
+        return self.node("SeparateColor", {0: color}).outputs[name.capitalize()]

@@ -18,7 +18,7 @@ from render.content.changing.sheets import Sheet
 from render.content.containers import add_container, wall_thickness
 from render.content.framing import view_of
 from render.content.lights import add_lights
-from render.content.materials import default_body_look, default_sheet_look, make_material
+from render.content.materials import default_body_look, default_sheet_look, make_material, make_materials
 from render.content.meshes import COLOR_COLUMNS
 from render.content.nodes import Caustics
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
@@ -28,6 +28,7 @@ from render.content.sets.site import Site
 from render.content.world import add_world
 from render.errors import Unusable
 from render.inputs import Box, Inputs, Pose
+from render.texturing.nodes import places
 
 SUNK = 0.002
 """How far water that stands on the ground is sunk into it, over the diagonal of the action's box: they then meet
@@ -165,10 +166,12 @@ class Scene:
         for index, (name, path) in enumerate(self.inputs.bodies().items()):
             source = read_mesh(path)
             tinted = source.has(*COLOR_COLUMNS)
-            look = self._look(name, default_body_look(index, tinted))
+            otherwise = default_body_look(index, tinted)
+            look = self._look(name, otherwise)
             caustics = Caustics() if self.settings.caustics else None
-            material = make_material(name, look, _bounds(source).diagonal, tinted=tinted, caustics=caustics)
-            self._bodies[name] = Body(name, source, material)
+            size = _bounds(source).diagonal
+            materials = make_materials(name, look, size, tinted, otherwise, caustics)
+            self._bodies[name] = Body(name, source, *materials, uv=places(name, source, look))
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:

@@ -6,9 +6,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from render import panorama
 from render.blender.session import bpy
 from render.content.nodes import Graph, rgba
+from render.texturing import images
 
 BACKDROP = 1.5
 """Brightness of a background of colour 1: like a white ground in the default light, so that the two meet unseen."""
@@ -53,7 +53,8 @@ def _blur(image: Any, diameter: float) -> None:
 
 
 def _load(settings: Any) -> Any:
-    return panorama.load(Path(settings.file) if settings.file else _studio_light(settings.light))
+    file = Path(settings.file) if settings.file else _studio_light(settings.light)
+    return images.load(file, "lights.environment")
 
 
 def _studio_light(name: str) -> Path:

@@ -11,11 +11,11 @@ from pydantic import Field, field_validator
 
 from common.registry import added
 from render.color import Color, srgb
+from render.texturing.spec import Fraction, Imported, Rough, Textured
 from scene.diagnostics.suggestions import suggestion
 from scene.settings import Settings, type_names
 from scene.units import Dimensionless, Length, PositiveLength
 
-Fraction = Annotated[Dimensionless, Ge(0), Le(1)]
 SizeOrNone = Annotated[Length, Ge(0)]
 RefractiveIndex = Annotated[Dimensionless, Ge(1), Le(4)]
 
@@ -73,7 +73,7 @@ class PrincipledLook(VariedLook):
         return values
 
 
-class Plastic(PrincipledLook):
+class Plastic(Rough, PrincipledLook):
     """A coloured body under a clear, slightly glossy coat."""
 
     type: Literal["plastic"]
@@ -83,7 +83,7 @@ class Plastic(PrincipledLook):
     """0 is a mirror-smooth surface."""
 
 
-class Metal(PrincipledLook):
+class Metal(Rough, PrincipledLook):
     """Bare metal."""
 
     type: Literal["metal"]
@@ -93,7 +93,7 @@ class Metal(PrincipledLook):
     """0 is a mirror, 0.25 brushed, 0.5 cast."""
 
 
-class Stone(PrincipledLook):
+class Stone(Rough, PrincipledLook):
     """Rough stone with grains and stains."""
 
     type: Literal["stone"]
@@ -104,7 +104,7 @@ class Stone(PrincipledLook):
     """Size of the stains [m]; the grains are a tenth of it. Without it, a fifth of the body's diagonal."""
 
 
-class Matte(VariedLook):
+class Matte(Textured, VariedLook):
     """Chalk, paper, clay: no gloss at all."""
 
     type: Literal["matte"]
@@ -148,7 +148,7 @@ class Glass(VariedLook):
     unbent, and its edges do not stand out."""
 
 
-class Wood(PrincipledLook):
+class Wood(Rough, PrincipledLook):
     """Sawn wood, with annual rings and fibres."""
 
     type: Literal["wood"]
@@ -164,7 +164,7 @@ class Wood(PrincipledLook):
     """Strength of a clear, glossy coat."""
 
 
-class Rubber(PrincipledLook):
+class Rubber(Rough, PrincipledLook):
     """Rubber: a soft gloss, not quite even."""
 
     type: Literal["rubber"]
@@ -246,7 +246,10 @@ class Tiles(PrincipledLook):
 
 OF_SHEETS = ("back", "thickness", "weave", "hem")
 """Settings that looks have for sheets alone."""
-OWN = (Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles)
+OWN = (
+    *(Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles),
+    Imported,
+)
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""
 

@@ -40,8 +40,8 @@ def cube() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Corners [m], shape [24, 3], of a cube of 1 m, their UV, shape [24, 2], and its triangles, shape [12, 3]."""
     along = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
     sides = [np.array(start) / 2 + along @ np.array([right, up]) for start, right, up in _SIDES]
-    first = 4 * np.arange(6)[:, None, None]
-    return np.concatenate(sides), np.tile(along, (6, 1)), (first + [[0, 1, 2], [0, 2, 3]]).reshape(-1, 3)
+    triangles = 4 * np.arange(6)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])
+    return np.concatenate(sides), np.tile(along, (6, 1)), triangles.reshape(-1, 3)
 
 
 def obj(head: str = "mtllib cube.mtl\nusemtl paint\n") -> str:

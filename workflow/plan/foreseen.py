@@ -1,5 +1,5 @@
 """What is known of a film before it is made, and may not be what was meant, or cannot be rendered: a camera in the
-water, changes that come after the end, a panorama that is no picture."""
+water, changes that come after the end, pictures that are none."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,8 +15,11 @@ from scipy.spatial import cKDTree
 
 from render import program
 from render.errors import Unusable
+from render.texturing import MARK, WHOLE
+from render.texturing.spec import Imported
 from scene import assets
 from scene.diagnostics import idle
+from scene.imported.bodies import about_image, found_in
 from scene.load import Scene
 from scene.names import resolve
 from scene.settings import Caution, Refused
@@ -34,6 +36,7 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
     yield from idle.cautions(scene)
     yield from _after_the_end(scene)
     yield from _of_the_camera(scene, found)
+    yield from _of_images(scene, found)
     if scene.film.crf == 0:
         text = "few players take lossless H.264: give 1 or more, and film.also: [prores] to edit"
         yield Caution(text, ("film", "crf"))
@@ -46,19 +49,61 @@ def cautions(scene: Scene, found: Preview) -> Iterator[Caution]:
         yield Caution(f"there is no Blender at {blender} on this machine, which {program.VARIABLE} names")
 
 
-def refuse_panorama(scene: Scene) -> None:
-    """Raise Refused for a panorama that Blender cannot read. Without the package bpy, rendering tells."""
-    file = scene.render.lights.environment.file
-    if file is None or importlib.util.find_spec("bpy") is None:
+def refuse_pictures(scene: Scene, found: Preview) -> None:
+    """Raise Refused for panoramas and textures that Blender cannot read, and for UV coordinates that a body has not.
+    Without the package bpy, rendering tells of the former."""
+    named = resolve(scene.simulation)
+    textured = _textured(found)
+    for name, look in scene.render.materials.items():
+        if getattr(look, "projection", None) == "uv" and not textured.get(name, True):
+            location = ("render", "materials", name, "projection")
+            raise Refused(f"the mesh of '{name}' has no UV coordinates", location=location, remedy="use box or sphere")
+    pictures = {(file, index): place for place, file, index in scene.render.images()}
+    if not pictures or importlib.util.find_spec("bpy") is None:
         return
-    if not _readable(assets.resolve(file, scene.folder)):
-        location, remedy = ("render", "lights", "environment", "file"), "save it as .hdr or .exr again"
-        raise Refused(f"Blender cannot read '{file}'", location=location, remedy=remedy)
+    for file, index in _unreadable(scene, list(pictures)):
+        what = f"'{file}'" if index is None else f"the image number {index} in '{file}'"
+        remedy = "save it again, as .png, or a panorama as .hdr or .exr" if index is None else "export it again"
+        refused = Refused(f"Blender cannot read {what}", remedy=remedy)
+        raise about_image(refused, pictures[file, index], named, scene.render)
 
 
-def _readable(panorama: Path) -> bool:
-    command = [sys.executable, "-m", "render.panorama", str(panorama)]
-    return subprocess.run(command, capture_output=True, check=False).returncode != Unusable.exit_code
+def _unreadable(scene: Scene, pictures: list[tuple[str, int | None]]) -> list[tuple[str, int | None]]:
+    """Those that a process of its own cannot read, or ends with."""
+    command = [sys.executable, "-m", "render.texturing.images"]
+    for file, index in pictures:
+        command += [str(assets.resolve(file, scene.folder)), WHOLE if index is None else str(index)]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+    if done.returncode < 0:
+        return pictures if len(pictures) == 1 else [one for one in pictures if _unreadable(scene, [one])]
+    if done.returncode != Unusable.exit_code:
+        return []
+    line = next(line for line in done.stdout.splitlines() if line.startswith(MARK))
+    return [pictures[int(place)] for place in line.removeprefix(MARK).split()]
+
+
+def _textured(found: Preview) -> dict[str, bool]:
+    """Whether bodies that are there at the start have UV coordinates, by their names."""
+    surfaces = {item.name: item.solid.triangles for item in found.placed.obstacles.placed}
+    return {name: surface is not None and surface.uv is not None for name, surface in surfaces.items()}
+
+
+def _of_images(scene: Scene, found: Preview) -> Iterator[Caution]:
+    """What is not shown of the materials of mesh files, and settings of images that change nothing."""
+    textured = _textured(found)
+    for name, item in resolve(scene.simulation).items():
+        look: Any = scene.render.materials.get(name)
+        if isinstance(look, Imported) and look.materials:
+            left_out = found_in(item.body, scene.folder, item.location).left_out
+            if left_out:
+                text = f"of the materials of '{name}' no picture shows {'; '.join(left_out)}"
+                yield Caution(text, (*item.location, "shape", "file"))
+            if any(look.images()) and not textured.get(name, True):
+                text = f"'{name}' has images and no UV coordinates: they lie on it as from a box"
+                yield Caution(text, (*item.location, "shape", "file"))
+        if getattr(look, "texture_size", None) and look.projection is None and textured.get(name, False):
+            text = "changes nothing: the mesh file has UV coordinates; give projection: box too, or remove it"
+            yield Caution(text, ("render", "materials", name, "texture_size"))
 
 
 def _after_the_end(scene: Scene) -> Iterator[Caution]:

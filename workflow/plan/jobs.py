@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 from common.frames import Frames
 from render import program
@@ -191,7 +192,7 @@ class Plan:
             stage="render",
             folder=f"{self.results}/frames/{index:03d}",
             frames=frames,
-            spec=_render_spec(self.scene),
+            spec=render_spec(self.scene),
             code=self._code("render"),
             versions=_blender(program.chosen()),
             assets=_assets(self.scene.assets, set(self.scene.assets) - _files(self.scene.simulation)),
@@ -244,12 +245,15 @@ class Plan:
         return f"code {self._digests[key]}"
 
 
-def _render_spec(scene: Scene) -> str:
-    """The render settings, with the panorama's path relative to the working directory."""
+def render_spec(scene: Scene) -> str:
+    """The render settings, with the paths of pictures relative to the working directory."""
     data = scene.render.model_dump(mode="json", exclude_none=True)
-    environment = data["lights"]["environment"]
-    if "file" in environment:
-        environment["file"] = os.path.relpath(assets.resolve(environment["file"], scene.folder))
+    for place, file in scene.render.assets():
+        *way, last = place
+        settings: Any = data
+        for key in way:
+            settings = settings[key]
+        settings[last] = os.path.relpath(assets.resolve(file, scene.folder))
     return canonical_json(data)
 
 

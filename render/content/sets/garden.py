@@ -26,7 +26,8 @@ GREEN = SimpleNamespace(type="matte", color=(0.33, 0.45, 0.18))
 def build(site: Site) -> None:
     x, y, top = site.middle
     half, step = site.beside(MARGIN * site.size), STEP * site.size
-    add_slab("ground", half, 1.5 * step, make_material("ground", site.look, site.size), site.middle)
+    material = make_material("ground", site.look, site.size)
+    site.lay(add_slab("ground", half, 1.5 * step, material, site.middle))
     soil = (x, y, top - step)
     add_plain(_green("soil", site.size), soil, site.reach)
     corners, faces = _blades(half, step, max(LAWN * site.size, 1.2 * max(half)))

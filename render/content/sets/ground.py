@@ -11,6 +11,7 @@ from render.content.framing import View
 from render.content.materials import make_material
 from render.content.meshes import add_object
 from render.content.nodes import Graph
+from render.content.sets.images import lay_images
 from render.inputs import Box
 
 NEAR, FAR = 1.5, 9.0
@@ -21,7 +22,9 @@ def add_ground(settings: Any, height: float, box: Box, view: View) -> Any:
     """Add the ground at a height [m] below the box of the action; returns the object."""
     x, y, _ = box.center
     reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
-    return add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
+    plain = add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
+    lay_images(plain, settings.material, box.diagonal)
+    return plain
 
 
 def add_plain(material: Any, middle: Vector, reach: float) -> Any:

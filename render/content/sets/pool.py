@@ -25,7 +25,7 @@ DECK = SimpleNamespace(type="stone", color=(0.72, 0.68, 0.62), roughness=0.9, gr
 
 
 def build(site: Site) -> None:
-    add_plain(make_material("ground", site.look, site.size), site.middle, site.reach)
+    site.lay(add_plain(make_material("ground", site.look, site.size), site.middle, site.reach))
     half, depth = site.beside(MARGIN * site.size), DEPTH * site.size
     basin = site
     if site.basin is not None and _holds(site.basin, site.box, OVERLAP * site.size):
@@ -35,7 +35,7 @@ def build(site: Site) -> None:
     lip = ROUND * width
     for side in sides(half):
         wall = seen_from_inside(make_material("wall", site.look, site.size), side, basin)
-        add_strip("wall", side, basin, [(0.0, 0.0), (0.0, depth)], wall)
+        site.lay(add_strip("wall", side, basin, [(0.0, 0.0), (0.0, depth)], wall))
         rim = seen_from_inside(make_material("rim", STONE, site.size), side, basin)
         edge = [(0.0, depth), (-lip, depth), (-lip, depth + lip), (width, depth + lip)]
         add_strip("rim", side, basin, edge, rim)

@@ -8,6 +8,7 @@ from typing import Any
 from render.blender.session import bpy
 from render.content.axes import Vector
 from render.content.meshes import add_object
+from render.content.sets.images import lay_images
 from render.inputs import Box
 
 
@@ -41,6 +42,10 @@ class Site:
         """Half the extents in x and y of the action with a margin on all sides [m]."""
         low, high = self.box.low, self.box.high
         return ((high[0] - low[0]) / 2 + margin, (high[1] - low[1]) / 2 + margin)
+
+    def lay(self, thing: Any) -> None:
+        """Lay the images of the look on an object that has it."""
+        lay_images(thing, self.look, self.size)
 
 
 def add_mesh(

@@ -32,4 +32,5 @@ def build(site: Site) -> None:
     for low, high in rings:
         faces += [(low + k, low + (k + 1) % AROUND, high + (k + 1) % AROUND, high + k) for k in range(AROUND)]
     faces = [face[::-1] for face in faces[1:]] + faces[:1]
-    add_mesh("ground", corners, faces, make_material("ground", site.look, site.size), site.middle, smooth=True)
+    material = make_material("ground", site.look, site.size)
+    site.lay(add_mesh("ground", corners, faces, material, site.middle, smooth=True))

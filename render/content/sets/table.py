@@ -13,4 +13,4 @@ THICKNESS = 0.05
 
 def build(site: Site) -> None:
     material = make_material("ground", site.look, site.size)
-    add_slab("ground", site.beside(MARGIN * site.size), THICKNESS * site.size, material, site.middle)
+    site.lay(add_slab("ground", site.beside(MARGIN * site.size), THICKNESS * site.size, material, site.middle))

@@ -17,11 +17,11 @@ HEIGHT = 3.0
 
 
 def build(site: Site) -> None:
-    add_plain(make_material("ground", site.look, site.size), site.middle, site.reach)
+    site.lay(add_plain(make_material("ground", site.look, site.size), site.middle, site.reach))
     half = site.beside(MARGIN * site.size)
     if site.look.type == "tiles":
         edge = tiles.edge(site.look, site.size)
         half = (edge * math.ceil(half[0] / edge), edge * math.ceil(half[1] / edge))
     for side in sides(half):
         material = seen_from_inside(make_material("wall", site.look, site.size), side, site)
-        add_strip("wall", side, site, [(0.0, 0.0), (0.0, HEIGHT * site.size)], material)
+        site.lay(add_strip("wall", side, site, [(0.0, 0.0), (0.0, HEIGHT * site.size)], material))

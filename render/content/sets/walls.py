@@ -40,14 +40,15 @@ def sides(half: tuple[float, float]) -> Iterator[Side]:
             yield Side(axis, sign, distance)
 
 
-def add_strip(name: str, side: Side, site: Site, profile: list[tuple[float, float]], material: Any) -> None:
+def add_strip(name: str, side: Side, site: Site, profile: list[tuple[float, float]], material: Any) -> Any:
     """Put a strip along a side into the scene: `profile` holds how far beyond the wall and how high it is [m], from the
-    inside outwards."""
+    inside outwards. Returns the object."""
     wide = WIDE * site.reach
     corners = [side.point(along, out, up) for out, up in profile for along in (-wide, wide)]
     faces: list[tuple[int, ...]] = [(2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2) for k in range(len(profile) - 1)]
     thing = add_mesh(name, corners, faces, material, site.middle)
     thing.visible_shadow = False
+    return thing
 
 
 def seen_from_inside(material: Any, side: Side, site: Site) -> Any:

@@ -103,5 +103,5 @@ def test_a_panorama_that_is_no_picture_is_refused(wall, tmp_path):
     command += ["--simulation", str(wall), "--out", str(tmp_path / "out")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2, done.stderr
-    assert "Blender cannot read the panorama" in done.stderr
+    assert "lights.environment: Blender cannot read the image" in done.stderr
     assert not list((tmp_path / "out").glob("*.png"))

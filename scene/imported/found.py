@@ -1,0 +1,39 @@
+"""What was found of materials in a mesh file, and how files are called that it names."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from dataclasses import dataclass
+
+from render.texturing.spec import ImportedMaterial
+from scene.assets import IN_PACKAGE
+from scene.settings import Refused
+
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:")
+
+
+@dataclass(frozen=True)
+class Found:
+    """The materials of a file by their numbers in it."""
+
+    materials: tuple[ImportedMaterial, ...] = ()
+    left_out: tuple[str, ...] = ()
+    """What of them no picture shows, in words."""
+    files: tuple[str, ...] = ()
+    """Other files that were read, as a scene would name them."""
+
+
+def beside(file: str, name: str) -> str:
+    """What a file, which a scene calls `file`, calls `name`, as the scene would call it; raises Refused for an address.
+
+    Whether it may be read, `scene.assets` decides.
+    """
+    if _ADDRESS.match(name):
+        raise Refused(f"{file!r} names {name!r}, and nothing is fetched", remedy="Keep it beside the mesh, as a file")
+    package = IN_PACKAGE.fullmatch(file)
+    folder = posixpath.dirname(package["path"] if package else file)
+    path = posixpath.normpath(posixpath.join(folder, name.replace("\\", "/")))
+    if path.startswith("~"):
+        path = f"./{path}"
+    return f"{package['package']}:{path}" if package else path
