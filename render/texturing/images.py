@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from common import gltf
-from common.cut_off import JPEG, PNG, cut_off
+from common.image_files import JPEG, MOST_PIXELS, PNG, cut_off, too_large
 from render.blender.session import bpy
 from render.errors import Unusable
 from render.texturing import MARK, WHOLE
@@ -24,7 +24,7 @@ def load(path: Path, what: str, index: int | None = None, *, data: bool = False)
     """The image of a file, or the one of a number in a GLB or glTF; `what` names the setting. `data` are plain numbers,
     no colours.
 
-    Raises Unusable where it is none, or cut off: Blender would show it in pink or grey.
+    Raises Unusable where it is none, too large, or cut off: Blender would show it in pink or grey.
     """
     key = f"{path.absolute()} {index} {data}"
     known = next((image for image in bpy.data.images if image.get(_KEY) == key), None)
@@ -35,7 +35,8 @@ def load(path: Path, what: str, index: int | None = None, *, data: bool = False)
     image = _own(path) if index is None else _within(path, index)
     if image is None or not image.size[0]:
         number = "" if index is None else f"number {index} of "
-        raise Unusable(f"{what}: Blender cannot read the image {number}{path}: save it again")
+        fix = f"save it again, with at most {MOST_PIXELS:,} pixels an edge"
+        raise Unusable(f"{what}: Blender cannot read the image {number}{path}: {fix}")
     image[_KEY] = key
     if data:
         image.colorspace_settings.name = "Non-Color"
@@ -43,7 +44,7 @@ def load(path: Path, what: str, index: int | None = None, *, data: bool = False)
 
 
 def _own(path: Path) -> Any:
-    if cut_off(path.read_bytes()):
+    if not _sound(path.read_bytes()):
         return None
     try:
         return bpy.data.images.load(str(path.resolve()))
@@ -56,12 +57,16 @@ def _within(path: Path, index: int) -> Any:
         content = gltf.image(*gltf.parted(path.read_bytes()), index)
     except (OSError, ValueError):
         return None
-    if not content.startswith((PNG, JPEG)) or cut_off(content):
+    if not content.startswith((PNG, JPEG)) or not _sound(content):
         return None
     image = bpy.data.images.new(f"{path.stem} {index}", 1, 1)
     image.pack(data=content, data_len=len(content))
     image.source = "FILE"
     return image
+
+
+def _sound(content: bytes) -> bool:
+    return not cut_off(content) and not too_large(content)
 
 
 def _unreadable(given: list[str]) -> list[int]:

@@ -51,6 +51,10 @@ def found_in(body: Any, folder: Path, location: Place) -> Found:
         raise refused.at(*location, "shape", "file") from None
 
 
+MOST = 1_000
+"""Materials of a file: each becomes one of Blender's."""
+
+
 def _materials_of(file: str, folder: Path) -> Found:
     kind = Path(file).suffix.lower()
     if kind not in {".obj", ".glb", ".gltf", ".ply"}:
@@ -58,14 +62,19 @@ def _materials_of(file: str, folder: Path) -> Found:
     content = assets.resolve(file, folder).read_bytes()
     try:
         if kind == ".obj":
-            return mtl.materials_of(file, content, functools.partial(_read, folder=folder))
-        return (ply if kind == ".ply" else gltf).materials_of(file, content)
+            found = mtl.materials_of(file, content, functools.partial(_read, folder=folder))
+        else:
+            found = (ply if kind == ".ply" else gltf).materials_of(file, content)
+        if len(found.materials) > MOST:
+            raise Refused(f"there are {len(found.materials):,}, at most {MOST:,} are shown", remedy="Join some")
+        return found
     except Refused as refused:
         raise Refused(f"of the materials that {file!r} names: {refused.message}", remedy=_or_instead(refused)) from None
 
 
 def _read(name: str, folder: Path) -> bytes:
-    return assets.resolve(name, folder).read_bytes()
+    with assets.resolve(name, folder).open("rb") as stream:
+        return stream.read(mtl.MOST_BYTES + 1)
 
 
 def _or_instead(refused: Refused) -> str:

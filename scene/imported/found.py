@@ -25,10 +25,13 @@ class Found:
 
 
 def beside(file: str, name: str) -> str:
-    """What a file, which a scene calls `file`, calls `name`, as the scene would call it; raises Refused for an address.
+    """What a file, which a scene calls `file`, calls `name`, as the scene would call it.
 
+    Raises Refused for an address, and for a name that controls a terminal.
     Whether it may be read, `scene.assets` decides.
     """
+    if not name.isprintable():
+        raise Refused(f"{file!r} names {name!r}, which cannot be printed", remedy="Rename that file")
     if _ADDRESS.match(name):
         raise Refused(f"{file!r} names {name!r}, and nothing is fetched", remedy="Keep it beside the mesh, as a file")
     package = IN_PACKAGE.fullmatch(file)
@@ -37,3 +40,8 @@ def beside(file: str, name: str) -> str:
     if path.startswith("~"):
         path = f"./{path}"
     return f"{package['package']}:{path}" if package else path
+
+
+def printable(text: str) -> str:
+    """Words of a file for a message: short, and nothing that controls a terminal."""
+    return "".join(sign if sign.isprintable() else "?" for sign in text[:100])

@@ -8,7 +8,7 @@ from urllib.parse import unquote
 
 from common import gltf
 from render.texturing.spec import PICTURES, ImportedImage, ImportedMaterial
-from scene.imported.found import Found, beside
+from scene.imported.found import Found, beside, printable
 from scene.settings import Refused
 
 Values = dict[str, Any]
@@ -47,8 +47,8 @@ class _Reader:
         return found
 
     def _note(self, what: str) -> None:
-        if what not in self.left_out:
-            self.left_out.append(what)
+        if printable(what) not in self.left_out:
+            self.left_out.append(printable(what))
 
     def _material(self, given: Values) -> Values:
         surface = given.get("pbrMetallicRoughness", {})
@@ -129,13 +129,9 @@ def materials_of(file: str, content: bytes) -> Found:
     except Refused:
         raise
     except (ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
-        what = f"what {file!r} says of its materials cannot be read ({type(error).__name__}: {_short(error)})"
+        what = f"what {file!r} says of its materials cannot be read ({type(error).__name__}: {printable(str(error))})"
         raise Refused(what, remedy="Export it again") from None
     return Found(materials, tuple(reader.left_out))
-
-
-def _short(error: Exception) -> str:
-    return " ".join(str(error).split())[:120]
 
 
 def _placed(moved: Values) -> Values:

@@ -7,7 +7,7 @@ from typing import Any
 
 from common import wavefront
 from render.texturing.spec import PICTURES, ImportedImage, ImportedMaterial
-from scene.imported.found import Found, beside
+from scene.imported.found import Found, beside, printable
 from scene.settings import Refused
 
 MOST_BYTES = 10_000_000
@@ -62,7 +62,8 @@ def materials_of(file: str, content: bytes, read: Read) -> Found:
     names = tuple(beside(file, library) for library in libraries)
     for name in names:
         _add(name, _text(name, read), known, left_out)
-    left_out += [f"the material {name!r}, which is not in {', '.join(libraries)}" for name in used if name not in known]
+    for name in (name for name in used if name not in known):
+        _note(left_out, f"the material {name!r}, which is not in {', '.join(libraries)}")
     materials = (ImportedMaterial(name=name, **{"base": (0.8, 0.8, 0.8)} | known.get(name, {})) for name in used)
     return Found(tuple(materials), tuple(left_out), names)
 
@@ -101,8 +102,8 @@ def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _note(left_out: list[str], what: str) -> None:
-    if what not in left_out:
-        left_out.append(what)
+    if printable(what) not in left_out:
+        left_out.append(printable(what))
 
 
 def _take_value(key: str, words: list[str], values: Values) -> None:

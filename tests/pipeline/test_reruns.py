@@ -8,6 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.pipeline.conftest import TARGET
+from tests.support import textured
+
 EVERYTHING = {"simulate", "reconstruct", "render", "film"}
 CHANGED = "Params have changed since last execution"
 UPDATED = "Input files updated by another job"
@@ -87,6 +90,42 @@ def test_the_content_of_a_mesh_file(project):
     assert "assets" in ran.text
 
 
+@pytest.fixture
+def textured_film(project):
+    """The film with a stone in the materials of its file, one image of which is on it."""
+    folder = project.scene.parent
+    (folder / "stone.mtl").write_text("newmtl rock\nmap_Kd rock.png\n")
+    (folder / "rock.png").write_bytes(textured.picture())
+    (folder / "rough.png").write_bytes(textured.picture())
+    stone = folder / "stone.obj"
+    stone.write_text(f"mtllib stone.mtl\nusemtl rock\n{stone.read_text()}")
+    project.append(
+        project.scene.relative_to(project.folder), "  ground: {material: {type: matte, texture: rough.png}}\n"
+    )
+    project.make()
+    assert project.dry_run().nothing
+    return project
+
+
+def test_the_materials_of_a_mesh(textured_film):
+    """A texture of the mesh file that changes, goes, or makes place for another look; the simulation is none of it."""
+    scenes = textured_film.scene.parent
+    picture, library = (scenes / "rock.png").read_bytes(), (scenes / "stone.mtl").read_text()
+    (scenes / "rock.png").write_bytes(textured.picture("TIFF"))
+    assert_reruns(textured_film.dry_run(), {"render", "film"}, "render")
+    (scenes / "rock.png").write_bytes(picture)
+    (scenes / "stone.mtl").write_text("newmtl rock\nKd 1 0 0\n")
+    assert_reruns(textured_film.dry_run(), {"render", "film"}, "render")
+    (scenes / "stone.mtl").write_text(library)
+    (scenes / "rough.png").write_bytes(textured.picture("TIFF"))
+    assert_reruns(textured_film.dry_run(), {"render", "film"}, "render")
+    (scenes / "rough.png").write_bytes(picture)
+    assert textured_film.dry_run().nothing
+    (scenes / "rock.png").unlink()
+    ran = textured_film.snakemake("--dry-run", TARGET)
+    assert ran.code == 1 and "rigid.bodies.stone.shape.file" in ran.text
+
+
 def test_a_longer_film_adds_segments(project):
     project.edit("duration: 2", "duration: 3")
     ran = project.dry_run()
@@ -129,6 +168,8 @@ def test_a_lost_copy_of_the_film(project):
         ("sim/cloth/spec.py", set()),
         ("workflow/stages/surface/surface.py", {"reconstruct", "render", "film"}),
         ("render/content/materials.py", {"render", "film"}),
+        ("render/texturing/projection.py", {"render", "film"}),
+        ("scene/imported/mtl.py", set()),
         ("workflow/stages/film/plots.py", {"film"}),
         ("workflow/job.py", set()),
         ("workflow/catalog.py", set()),

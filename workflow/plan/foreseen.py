@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from common.image_files import MOST_PIXELS
 from render import program
 from render.errors import Unusable
 from render.texturing import MARK, WHOLE
@@ -64,6 +65,7 @@ def refuse_pictures(scene: Scene, found: Preview) -> None:
     for file, index in _unreadable(scene, list(pictures)):
         what = f"'{file}'" if index is None else f"the image number {index} in '{file}'"
         remedy = "save it again, as .png, or a panorama as .hdr or .exr" if index is None else "export it again"
+        remedy += f", with at most {MOST_PIXELS:,} pixels an edge"
         refused = Refused(f"Blender cannot read {what}", remedy=remedy)
         raise about_image(refused, pictures[file, index], named, scene.render)
 

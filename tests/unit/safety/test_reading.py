@@ -12,6 +12,7 @@ import trimesh
 
 from scene.assets import resolve
 from scene.document import SceneError
+from tests.support import textured
 from workflow.study.load import load_study
 
 ROOT = Path(__file__).parents[3]
@@ -101,6 +102,11 @@ EVERYWHERE = {
     "container": "containers: {tank: {type: mesh, shape: MESH}}\n",
     "event": "events: [{at: 0.1, add: {rigid: {more: {shape: MESH}}}}]\n",
     "panorama": "render: {lights: {environment: {file: ~/private/sky.hdr}}}\n",
+    "texture": "render: {materials: {ball: {type: plastic, texture: ~/private/wood.png}}}\n",
+    "roughness": "render: {materials: {ball: {type: metal, roughness_map: ~/private/wood.png}}}\n",
+    "normals": "render: {materials: {ball: {type: stone, normal_map: ~/private/wood.png}}}\n",
+    "ground": "render: {ground: {material: {type: matte, texture: ~/private/wood.png}}}\n",
+    "imported": "render: {materials: {ball: {type: imported, materials: [{base_map: {file: ~/private/wood.png}}]}}}\n",
 }
 
 
@@ -108,7 +114,7 @@ EVERYWHERE = {
 def test_wherever_a_scene_names_a_file(stranger, mesh_shape, place):
     mesh = mesh_shape("~/private/secret.ply")
     stranger.write(EVERYWHERE[place].replace("MESH", mesh).replace("FACE", mesh[:-1] + ", face: 0}"))
-    stranger.refused("file: asset '~/private/", "leads to", str(stranger.secret.parent))
+    stranger.refused(": asset '~/private/", "leads to", str(stranger.secret.parent))
 
 
 def test_a_panorama_is_a_picture(stranger):
@@ -116,6 +122,87 @@ def test_a_panorama_is_a_picture(stranger):
     (stranger.folder / "sky.mp4").write_text("#EXTM3U\nhttp://127.0.0.1:9/\n")
     stranger.write("render: {lights: {environment: {file: sky.mp4}}}\n")
     stranger.refused("render.lights.environment.file", ".hdr, .exr")
+
+
+@pytest.mark.parametrize(
+    "look", ["texture: wood.mp4", "texture: wood.m3u8", "roughness_map: wood", "normal_map: w.mkv"]
+)
+def test_a_texture_is_a_picture(stranger, look):
+    stranger.write(f"render: {{materials: {{ball: {{type: plastic, {look}}}}}}}\n")
+    stranger.refused(f"render.materials.ball.{look.partition(':')[0]}", ".hdr, .exr")
+
+
+def obj(library: str) -> bytes:
+    return textured.obj(f"mtllib {library}\nusemtl paint\n").encode()
+
+
+def mtl(image: str) -> bytes:
+    return f"newmtl paint\nmap_Kd {image}\n".encode()
+
+
+NAMES = ("../../../private/NAME", "HOME/private/NAME", "link/NAME", "pictures/../../../../private/NAME")
+MATERIALS = {
+    "library": lambda name: {"cube.obj": obj(name.replace("NAME", "secret.mtl"))},
+    "image of a library": lambda name: {
+        "cube.obj": obj("cube.mtl"),
+        "cube.mtl": mtl(name.replace("NAME", "secret.png")),
+    },
+    "image of a GLB": lambda name: {"cube.glb": textured.glb(images=[{"uri": name.replace("NAME", "secret.png")}])},
+    "image of a PLY": lambda name: {
+        "cube.ply": textured.ply(f"comment TextureFile {name.replace('NAME', 'secret.png')}\n").encode()
+    },
+}
+"""The files of a body that name a file of the user, by a name with NAME in it."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("case", MATERIALS)
+def test_materials_of_a_mesh_lead_nowhere_else(stranger, mesh_shape, case, name):
+    private = stranger.secret.parent
+    (stranger.folder / "link").symlink_to(private)
+    (private / "secret.png").write_bytes(textured.picture())
+    (private / "secret.mtl").write_text("newmtl paint\nKd 1 0 0\n")
+    files = MATERIALS[case](name.replace("HOME", str(stranger.home)))
+    for file, content in files.items():
+        (stranger.folder / file).write_bytes(content)
+    stranger.write(shape=mesh_shape(next(iter(files))))
+    stranger.refused("rigid.bodies.ball.shape.file", f"leads to {private}/secret", "--config allow=")
+    stranger.accepted("--allow", private)
+
+
+@pytest.mark.parametrize("address", ["http://127.0.0.1:9/wood.png", "file:///etc/wood.png", "smb://host/wood.png"])
+@pytest.mark.parametrize("case", ["image of a library", "image of a GLB", "image of a PLY"])
+def test_nothing_is_fetched(stranger, mesh_shape, case, address):
+    files = MATERIALS[case](address)
+    for file, content in files.items():
+        (stranger.folder / file).write_bytes(content)
+    stranger.write(shape=mesh_shape(next(iter(files))))
+    stranger.refused("rigid.bodies.ball.shape.file", address, "nothing is fetched")
+
+
+@pytest.mark.parametrize("name", ["pipe.png", "/dev/zero", "pictures", "wood\x07.png", "~/private/wood.png"])
+def test_materials_name_no_pipes_and_devices(stranger, mesh_shape, name):
+    os.mkfifo(stranger.folder / "pipe.png")
+    (stranger.folder / "pictures").mkdir()
+    (stranger.folder / "cube.obj").write_bytes(obj("cube.mtl"))
+    (stranger.folder / "cube.mtl").write_bytes(mtl(name))
+    stranger.write(shape=mesh_shape("cube.obj"))
+    assert "\x07" not in stranger.refused("rigid.bodies.ball.shape.file")
+    (stranger.folder / "cube.obj").write_bytes(obj(name))
+    stranger.refused("rigid.bodies.ball.shape.file")
+
+
+def test_a_library_is_not_without_end(stranger, mesh_shape):
+    (stranger.folder / "cube.obj").write_bytes(obj("cube.mtl"))
+    (stranger.folder / "cube.mtl").write_bytes(b"#" * 10_000_001)
+    stranger.write(shape=mesh_shape("cube.obj"))
+    stranger.refused("rigid.bodies.ball.shape.file", "no text of at most 10 MB")
+
+
+def test_nor_are_materials(stranger, mesh_shape):
+    (stranger.folder / "cube.glb").write_bytes(textured.glb(materials=[{}] * 1_001))
+    stranger.write(shape=mesh_shape("cube.glb"))
+    stranger.refused("rigid.bodies.ball.shape.file", "there are 1,001, at most 1,000")
 
 
 @pytest.mark.parametrize("field", ["scene", "table"])

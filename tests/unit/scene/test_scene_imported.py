@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import base64
+import io
 import json
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from common import gltf
 from scene.imported.bodies import found_in
@@ -152,9 +154,16 @@ def test_a_library_that_is_damaged(bench, crate):
         bench.refuses(crate("cube.obj"), "rigid.bodies.crate.shape.file", said, at="cube.obj")
 
 
+def large() -> bytes:
+    stream = io.BytesIO()
+    Image.new("1", (20_000, 20_000)).save(stream, "PNG")
+    return stream.getvalue()
+
+
 BROKEN = {
     "a picture that is cut off": ("cube.obj", "quarters.png", lambda: textured.picture()[:60]),
     "a photograph that is cut off": ("photo.obj", "photo.jpg", lambda: textured.picture("JPEG")[:-30]),
+    "a picture that is too large": ("cube.obj", "quarters.png", large),
     "a picture that is none": ("cube.obj", "quarters.png", lambda: b"no picture"),
     "a picture within a GLB that is cut off": ("cube.glb", "cube.glb", lambda: textured.glb(textured.picture()[:60])),
     "something else within a GLB": ("cube.glb", "cube.glb", lambda: textured.glb(b"#EXTM3U\nhttp://127.0.0.1:9/\n")),
@@ -251,3 +260,10 @@ def test_a_size_that_changes_nothing_is_told(bench, crate):
 
 def test_only_bodies_have_them():
     assert not found_in(SimulationSpec(), Path(), ()).materials
+
+
+def test_what_is_told_controls_no_terminal(bench, crate):
+    (bench.folder / "cube.mtl").write_text(f"{textured.MTL}pa\x1b[31mint 1\n")
+    (bench.folder / "cube.glb").write_bytes(textured.glb(extensionsUsed=["KHR_materials_\x1b]0;x\x07"]))
+    for file in ("cube.obj", "cube.glb"):
+        assert "\x1b" not in bench.accepts(crate(file))

@@ -1,4 +1,8 @@
-"""Whether a picture's file ends too early: readers fill what is missing of a JPEG or TIFF with grey, and go on."""
+"""What is told of an image by its file, before anything opens it: whether that ends too early, and how large it is.
+
+Readers fill what is missing of a JPEG or TIFF with grey, and go on; and a file of a megabyte may hold 60,000 pixels an
+edge.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +14,47 @@ _TIFF = {b"II*\0": "<", b"MM\0*": ">"}
 _SCAN, _END = b"\xff\xda", b"\xff\xd9"
 _SIZES = {3: "H", 4: "I"}
 """Of the numbers of a TIFF, by their type."""
+_EDGES = (256, 257)
+"""Tags of its width and height."""
+_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+"""Markers of a JPEG that begin a frame."""
 _WHERE = ((273, 279), (324, 325))
 """Tags of a TIFF with where its strips or tiles begin, and how long they are."""
+
+
+MOST_PIXELS = 16_384
+"""Along an edge of an image that is opened."""
+
+
+def too_large(content: bytes) -> bool:
+    """Whether a PNG, JPEG or TIFF has more than MOST_PIXELS along an edge; of other formats nothing is known."""
+    try:
+        return max(_extent(content)) > MOST_PIXELS
+    except (struct.error, KeyError, IndexError):
+        return False
+
+
+def _extent(content: bytes) -> tuple[int, ...]:
+    if content.startswith(PNG):
+        return struct.unpack_from(">II", content, 16)
+    if content.startswith(JPEG):
+        return _jpeg_extent(content)
+    order = _TIFF.get(content[:4])
+    if order is None:
+        return (0,)
+    tags = _tags(content, order)
+    return tuple(tags[tag][0] for tag in _EDGES)
+
+
+def _jpeg_extent(content: bytes) -> tuple[int, ...]:
+    """Of the first frame: ITU-T T.81, Annex B."""
+    start = len(JPEG)
+    while content[start] == 0xFF:
+        kind, length = struct.unpack_from(">xBH", content, start)
+        if kind in _FRAMES:
+            return struct.unpack_from(">HH", content, start + 5)
+        start += 2 + length
+    return (0,)
 
 
 def cut_off(content: bytes) -> bool:

@@ -5,7 +5,7 @@ import io
 import pytest
 from PIL import Image
 
-from common.cut_off import cut_off
+from common.image_files import cut_off, too_large
 
 IMAGE = Image.effect_noise((64, 64), 80)
 
@@ -39,3 +39,16 @@ def test_a_small_picture_within_the_head_of_a_photograph_is_not_its_end():
 
 def test_of_other_formats_nothing_is_known():
     assert not cut_off(b"#?RADIANCE\n") and not cut_off(b"")
+
+
+@pytest.mark.parametrize("kind", ["PNG", "JPEG", "TIFF"])
+@pytest.mark.parametrize(("size", "large"), [((16384, 1), False), ((16385, 1), True), ((1, 16385), True)])
+def test_large_images_are_told_by_their_heads(kind, size, large):
+    stream = io.BytesIO()
+    Image.new("L", size).save(stream, kind)
+    assert too_large(stream.getvalue()) == large
+
+
+def test_of_what_is_no_image_no_size_is_known():
+    for content in (b"", b"#?RADIANCE\n", b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"\xff\xd8\xff\xe0", b"II*\0\1"):
+        assert not too_large(content)
