@@ -1,4 +1,4 @@
-"""What is in a glTF or GLB file: its head, and the images that it holds. glTF 2.0 specification, Khronos Group 2021."""
+"""What is in a glTF or GLB file: its head, and the images that it holds. As the specification of glTF 2.0 says."""
 
 from __future__ import annotations
 

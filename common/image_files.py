@@ -79,7 +79,7 @@ def _has_end(png: bytes) -> bool:
 
 
 def _tiff_cut_off(content: bytes, order: str) -> bool:
-    """Whether a strip or tile of the first picture reaches beyond the end; TIFF 6.0, Adobe 1992."""
+    """Whether a strip or tile of the first picture reaches beyond the end, by the specification of TIFF 6.0."""
     try:
         tags = _tags(content, order)
         for begins, lengths in _WHERE:

@@ -59,7 +59,7 @@ def _within(path: Path, index: int) -> Any:
         return None
     if not content.startswith((PNG, JPEG)) or not _sound(content):
         return None
-    image = bpy.data.images.new(f"{path.stem} {index}", 1, 1)
+    image = bpy.data.images.new(f"{path.stem}_{index}", 1, 1)
     image.pack(data=content, data_len=len(content))
     image.source = "FILE"
     return image

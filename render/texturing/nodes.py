@@ -8,6 +8,7 @@ from typing import Any
 
 from render.content.nodes import Graph
 from render.content.ply import TriangleMesh
+from render.errors import Unusable
 from render.texturing.images import load
 from render.texturing.projection import project
 
@@ -26,7 +27,10 @@ def places(name: str, source: TriangleMesh, look: Any, size: float | None = None
     if not named:
         return project(source, look, 1.0) if look.type == "imported" else source.uv
     width, height = _load(name, *next(iter(named.items()))).size
-    return project(source, look, height / width, size)
+    try:
+        return project(source, look, height / width, size)
+    except Unusable as error:
+        raise Unusable(f"materials.{name}.{error}") from None
 
 
 def _images(look: Any) -> dict[str, str]:

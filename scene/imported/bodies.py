@@ -16,7 +16,7 @@ from scene.names import Named
 from scene.settings import Refused
 from sim.geometry.spec import MeshSurface
 
-INSTEAD = "or give the body a look of its own in render.materials"
+INSTEAD = "give the body a look of its own in render.materials"
 
 
 def with_imported(render: RenderSpec, named: Mapping[str, Named], folder: Path) -> RenderSpec:
@@ -78,7 +78,9 @@ def _read(name: str, folder: Path) -> bytes:
 
 
 def _or_instead(refused: Refused) -> str:
-    return f"{refused.remedy}; {INSTEAD}" if refused.remedy else INSTEAD
+    if not refused.remedy:
+        return INSTEAD
+    return f"{refused.remedy} Or {INSTEAD}" if refused.remedy.endswith("?") else f"{refused.remedy}; or {INSTEAD}"
 
 
 def about_image(refused: Refused, place: Place, named: Mapping[str, Named], render: RenderSpec) -> Refused:

@@ -1,4 +1,4 @@
-"""The materials of a glTF or GLB file. glTF 2.0 specification, Khronos Group 2021, and its extensions named KHR."""
+"""The materials of a glTF or GLB file. As the specification of glTF 2.0 says, with its extensions named KHR."""
 
 from __future__ import annotations
 

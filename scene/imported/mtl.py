@@ -1,4 +1,4 @@
-"""The materials of an OBJ: files in MTL (Wavefront 1995), with what modelling programs have added to it."""
+"""The materials of an OBJ: files in MTL, as Wavefront described it, with what modelling programs have added."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ _MAPS: dict[str, tuple[str, Values, str | None]] = {
     "norm": ("normal_map", {}, None),
     "map_kn": ("normal_map", {}, None),
 }
-"""The setting of an image, the numbers that it stands in for, and the channel that counts."""
+"""The setting of an image, the numbers that it stands in for, and the channel that counts; of keys in any case, as
+map_Kd, map_Pr, map_Pm, map_Kn."""
 _OF_NO_LIGHT = {"ka", "map_ka", "illum", "tf", "sharpness", "map_aat"}
 """What says nothing, or nothing that traced light would not find by itself."""
 _LEFT_OUT = {
@@ -40,6 +41,7 @@ _LEFT_OUT = {
     "anisor": "the direction of anisotropy",
     "ps": "a sheen",
 }
+"""What no picture shows, as map_Bump."""
 _VECTORS = ("-s", "-o", "-t")
 _OPTIONS = {
     **dict.fromkeys(_VECTORS, 3),

@@ -20,7 +20,7 @@ from sim.spec import Event, SimulationSpec
 
 @dataclass(frozen=True)
 class Preview:
-    """What a scene holds at the start."""
+    """What a scene holds at the start, and later."""
 
     placed: PlacedScene
     contents: str
@@ -28,6 +28,8 @@ class Preview:
     points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     """Places of the particles [m], shape [n, 3]."""
     cautions: tuple[Caution, ...] = ()
+    later: tuple[PlacedScene, ...] = ()
+    """What there is after each event, as if nothing had moved."""
 
 
 def preview(spec: SimulationSpec, folder: Path) -> Preview:
@@ -66,7 +68,7 @@ def preview(spec: SimulationSpec, folder: Path) -> Preview:
     for index, (event, later) in enumerate(zip(spec.events, scenes, strict=True)):
         coming += [caution for caution in _of_a_change(event, later, index) if caution.text not in known]
     cautions = (*start, *coming, *idle_probes([placed, *scenes]))
-    return Preview(placed, "; ".join(parts), points, cautions)
+    return Preview(placed, "; ".join(parts), points, cautions, tuple(scenes))
 
 
 def _of_the_start(placed: PlacedScene) -> Iterator[Caution]:

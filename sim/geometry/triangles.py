@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class Triangles(NamedTuple):
     @classmethod
     def of(cls, mesh: trimesh.Trimesh) -> Triangles:
         """Those of a mesh of the library."""
-        attributes = mesh.face_attributes
+        attributes: Any = mesh.face_attributes
         return cls(
             np.asarray(mesh.vertices),
             np.asarray(mesh.faces),

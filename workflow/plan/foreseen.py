@@ -17,7 +17,7 @@ from common.image_files import MOST_PIXELS
 from render import program
 from render.errors import Unusable
 from render.texturing import MARK, WHOLE
-from render.texturing.spec import Imported
+from render.texturing.spec import Imported, images_of
 from scene import assets
 from scene.diagnostics import idle
 from scene.imported.bodies import about_image, found_in
@@ -54,7 +54,7 @@ def refuse_pictures(scene: Scene, found: Preview) -> None:
     """Raise Refused for panoramas and textures that Blender cannot read, and for UV coordinates that a body has not.
     Without the package bpy, rendering tells of the former."""
     named = resolve(scene.simulation)
-    textured = _textured(found)
+    textured = _textured(scene, found)
     for name, look in scene.render.materials.items():
         if getattr(look, "projection", None) == "uv" and not textured.get(name, True):
             location = ("render", "materials", name, "projection")
@@ -84,15 +84,17 @@ def _unreadable(scene: Scene, pictures: list[tuple[str, int | None]]) -> list[tu
     return [pictures[int(place)] for place in line.removeprefix(MARK).split()]
 
 
-def _textured(found: Preview) -> dict[str, bool]:
-    """Whether bodies that are there at the start have UV coordinates, by their names."""
-    surfaces = {item.name: item.solid.triangles for item in found.placed.obstacles.placed}
+def _textured(scene: Scene, found: Preview) -> dict[str, bool]:
+    """Whether bodies that images lie on have UV coordinates, by their names."""
+    wanted = {name for name, look in scene.render.materials.items() if any(images_of(look))}
+    bodies = (item for placed in (found.placed, *found.later) for item in placed.obstacles.placed)
+    surfaces = {item.name: item.solid.triangles for item in bodies if item.name in wanted}
     return {name: surface is not None and surface.uv is not None for name, surface in surfaces.items()}
 
 
 def _of_images(scene: Scene, found: Preview) -> Iterator[Caution]:
     """What is not shown of the materials of mesh files, and settings of images that change nothing."""
-    textured = _textured(found)
+    textured = _textured(scene, found)
     for name, item in resolve(scene.simulation).items():
         look: Any = scene.render.materials.get(name)
         if isinstance(look, Imported) and look.materials:

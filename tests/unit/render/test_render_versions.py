@@ -7,10 +7,12 @@ import pytest
 
 from render.blender import versions
 from render.content import nodes
-from render.content.materials import make_material
+from render.content.materials import default_body_look, make_materials
 from render.content.scene import plain
 from render.looks import LOOKS
 from render.looks.spec import OWN, PRINCIPLED_COLORS, PRINCIPLED_NUMBERS
+from render.texturing.spec import ImportedMaterial
+from tests.support import textured
 
 
 @pytest.fixture
@@ -25,9 +27,11 @@ def test_every_input_that_a_scene_may_set_is_there(shader, name):
 
 
 @pytest.mark.parametrize("kind", LOOKS)
-def test_every_input_that_a_look_sets_is_there(monkeypatch, kind):
+def test_every_input_that_a_look_sets_is_there(monkeypatch, tmp_path, kind):
     """The graph leaves out what Blender does not know: a renamed input would go unnoticed."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    monkeypatch.chdir(tmp_path)
+    textured.write(tmp_path)
     asked = []
 
     def found(node, name):
@@ -37,7 +41,9 @@ def test_every_input_that_a_look_sets_is_there(monkeypatch, kind):
     versions_input_named = versions.input_named
     monkeypatch.setattr(nodes.versions, "input_named", found)
     settings = next(look for look in OWN if look.model_fields["type"].annotation.__args__ == (kind,))
-    make_material("body", plain(settings(type=kind).model_dump(mode="json")), 1.0)
+    images = {setting: {"file": "quarters.png"} for setting in ImportedMaterial.MAPS}
+    more = {"materials": [images]} if kind == "imported" else {}
+    make_materials("body", plain(settings(type=kind, **more).model_dump(mode="json")), 1.0, False, default_body_look(0))
     assert asked and all(there for _, _, there in asked), asked
 
 

@@ -126,6 +126,15 @@ def test_a_body_that_comes_later_has_them_too(bench, scene):
     assert load(bench.path).render.materials["crate"].materials[0].name == "paint"
 
 
+def test_uv_of_a_body_that_comes_later(bench, scene):
+    textured.write(bench.folder)
+    more = "events: [{at: 0.1, add: {rigid: {crate: {shape: SHAPE, position: [0, 2, 0]}}}}]\n"
+    more += "render: {materials: {crate: {type: matte, texture: quarters.png, projection: uv}}}"
+    bench.accepts(scene(more=more.replace("SHAPE", "{type: mesh, file: plain.obj}")))
+    refused = "crate.projection: the mesh of 'crate' has no UV coordinates"
+    bench.refuses(scene(more=more.replace("SHAPE", "{type: sphere, radius: 0.1}")), refused)
+
+
 def test_imported_asks_for_what_there_is(bench, crate):
     more = "render: {materials: {crate: {type: imported}}}"
     bench.accepts(crate("cube.obj", more))
