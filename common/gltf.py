@@ -59,7 +59,10 @@ def image(head: dict[str, Any], rest: bytes, index: int) -> bytes:
 
 
 def _object(text: bytes) -> dict[str, Any]:
-    found = json.loads(text)
+    try:
+        found = json.loads(text)
+    except RecursionError:
+        raise ValueError("its head is nested too deeply") from None
     if not isinstance(found, dict):
         raise ValueError("its head is no object")
     return found

@@ -128,7 +128,7 @@ def materials_of(file: str, content: bytes) -> Found:
         materials = reader.materials()
     except Refused:
         raise
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError, OverflowError) as error:
         what = f"what {file!r} says of its materials cannot be read ({type(error).__name__}: {printable(str(error))})"
         raise Refused(what, remedy="Export it again") from None
     return Found(materials, tuple(reader.left_out))
