@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -92,6 +93,22 @@ def test_what_gltf_says(bench, materials):
     assert (paint.roughness, paint.roughness_map.channel, paint.metallic_map.channel) == (1, "green", "blue")
     assert (paint.normal_scale, paint.emission, paint.emission_strength) == (0.5, (1, 0, 0), 7)
     assert (paint.ior, paint.transmission, paint.coat, paint.coat_roughness) == (1.45, 0.9, 0.6, 0.2)
+
+
+@pytest.mark.parametrize("place", [(0, 0), (1, 0), (0.25, 0.75)])
+def test_an_image_of_a_gltf_is_moved_as_it_says(bench, materials, place):
+    """By KHR_texture_transform: scaled, turned, moved, with v downwards; here v is upwards."""
+    (x, y), turn, (a, b) = (0.3, -0.2), 0.5, (2, 3)
+    moved = {"KHR_texture_transform": {"offset": [x, y], "rotation": turn, "scale": [a, b]}}
+    said = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": moved}}}
+    (bench.folder / "cube.glb").write_bytes(textured.glb(material=said))
+    image = materials("cube.glb")[0].base_map
+    (u, v), cosine, sine = place, math.cos(turn), math.sin(turn)
+    wanted = (cosine * a * u + sine * b * v + x, 1 - (-sine * a * u + cosine * b * v + y))
+    u, v = image.scale[0] * u, image.scale[1] * (1 - v)
+    cosine, sine = math.cos(math.radians(image.rotation)), math.sin(math.radians(image.rotation))
+    found = (cosine * u - sine * v + image.offset[0], sine * u + cosine * v + image.offset[1])
+    assert found == pytest.approx(wanted)
 
 
 def test_images_of_a_gltf_are_files_or_within(bench, materials):
