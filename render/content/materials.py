@@ -71,7 +71,7 @@ def make_materials(
         return [make_material(name, look, size, tinted=tinted, caustics=caustics)]
     parts = [SimpleNamespace(**vars(part) | {"type": look.type, "owner": name}) for part in look.materials]
     own = [(f"{name} {part.name}".rstrip(), part) for part in parts]
-    kinds = {"tinted": tinted, "caustics": caustics}
+    kinds: dict[str, Any] = {"tinted": tinted, "caustics": caustics}
     return [make_material(label, part, size, **kinds) for label, part in [*own, (name, otherwise)]]
 
 

@@ -31,7 +31,7 @@ class Sheet(MovingMesh):
         sides = [(name, look)]
         if back is not None:
             sides.append((f"{name} back", SimpleNamespace(**vars(look) | {"color": back})))
-        kinds = {"rests": has_rest(first), "thick": thick}
+        kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick}
         super().__init__("cloth_" + name, *(make_material(side, its, size, **kinds) for side, its in sides))
         self._look = look
 
