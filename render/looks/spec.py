@@ -128,7 +128,7 @@ class ClothLook(PrincipledLook):
     """Of a sheet as drawn [m]; without it, nine tenths of its `thickness` in the simulation."""
     weave: SizeOrNone | None = None
     """Distance of the threads [m], warp and weft, 0 for none; without it, a 250th of a sheet's diagonal. Sheets alone
-    show it: a mesh that is not flat at rest as if it were woven flat, and then bent across its shortest side."""
+    show it; on a mesh that is not flat at rest, threads run as they do where one looks along its shortest side."""
     hem: SizeOrNone | None = None
     """Width of the hem along the rim of a sheet [m], 0 for none; without it, a fiftieth of the diagonal."""
 

@@ -15,19 +15,29 @@ from render.content.changing.meshes import MovingMesh
 from render.content.materials import make_material
 from render.content.nodes import REST, RIM
 from render.content.ply import TriangleMesh, max_of, min_of
+from render.errors import Unusable
 
 FILLED = 0.9
 """Thickness as drawn over that of the simulation, unless set: cloth that lies on cloth does not reach into it."""
+ANEW = "simulate its frames again"
 REST_COLUMNS = ("rest_x", "rest_y", "rest_z")
 
 
 class Sheet(MovingMesh):
-    """A sheet of cloth; `first` is its mesh in any frame."""
+    """A sheet of cloth; `first` is its mesh in any frame, `action` the diagonal of the action's box [m].
+
+    Raises Unusable for what its look has and files of old do not hold.
+    """
 
     def __init__(self, name: str, look: Any, first: TriangleMesh, action: float):
         thick = drawn_thickness(look, first) is not None
         size = rest_size(first) or action
-        back = getattr(look, "back", None) if thick else None
+        back = getattr(look, "back", None)
+        if back is not None and not thick:
+            raise Unusable(f"'{name}' has a back, but its files say no thickness\n  fix: give its look one, or {ANEW}")
+        if not has_rest(first) and (getattr(look, "weave", None) or getattr(look, "hem", None)):
+            what = f"'{name}' has a weave or hem, but its files do not say where its points are in the cloth"
+            raise Unusable(f"{what}\n  fix: remove these settings, or {ANEW}")
         sides = [(name, look)]
         if back is not None:
             sides.append((f"{name} back", SimpleNamespace(**vars(look) | {"color": back})))

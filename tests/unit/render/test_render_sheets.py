@@ -10,6 +10,7 @@ import pytest
 from render.content.changing.sheets import Sheet
 from render.content.nodes import REST, RIM
 from render.content.ply import read_mesh
+from render.errors import Unusable
 from tests.support.pictures import extent, passes, white_light
 
 NAMES = "x y z vx vy vz rest_x rest_y rest_z thickness"
@@ -66,6 +67,14 @@ def sheet(tmp_path, write_mesh):
 def test_cloth_is_drawn_nearly_as_thick_as_it_is_or_as_asked_for(sheet, wanted, found):
     places = [vertex.co.y for vertex in sheet(thickness=wanted).vertices]
     assert (min(places), max(places)) == pytest.approx((-found / 2, found / 2))
+
+
+@pytest.mark.parametrize("look", [{"back": (1, 0, 0)}, {"weave": 0.01}, {"hem": 0.01}], ids=str)
+def test_what_old_files_do_not_hold_is_refused(tmp_path, write_mesh, look):
+    source = read_mesh(write_sheet(write_mesh, tmp_path / "cloth_towel_00000.ply", columns="x y z vx vy vz"))
+    wanted = SimpleNamespace(**LOOK | {"thickness": None, "weave": None, "hem": None} | look)
+    with pytest.raises(Unusable, match=r"(?s)'towel' has a .*fix: .*, or simulate its frames again"):
+        Sheet("towel", wanted, source, 9)
 
 
 def test_both_sides_are_blurred_by_the_motion_of_the_sheet(sheet):
