@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable
+from fractions import Fraction
 from typing import TypeVar
 
 from common.frames import Frames
@@ -20,6 +21,15 @@ def positive(kind: type[N]) -> Callable[[str], N]:
 def not_negative(kind: type[N]) -> Callable[[str], N]:
     """Numbers from 0 on."""
     return lambda text: _bounded(kind, text, lambda value: value >= 0, "of at least 0")
+
+
+def rate(text: str) -> float:
+    """Numbers above 0, and ratios of whole ones, as 24000/1001."""
+    try:
+        number = repr(float(Fraction(text)))
+    except (ValueError, ZeroDivisionError, OverflowError):
+        number = text
+    return _bounded(float, number, lambda value: value > 0, "above 0, or a ratio such as 24000/1001")
 
 
 def frame_range(text: str) -> Frames:

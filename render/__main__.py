@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from common.arguments import frame_range, positive
+from common.arguments import frame_range, positive, rate
 from common.command import end_with
 from common.files import write_json
 from common.manifest import spoiled
@@ -182,7 +182,7 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
         "--frames", required=True, type=frame_range, metavar="A:B", help="first and last, both included"
     )
     parser.add_argument("--out", required=True, metavar="DIR", help="folder for the pictures and summary.json")
-    parser.add_argument("--fps", type=positive(float), default=24.0, help="frames per simulated second (default 24)")
+    parser.add_argument("--fps", type=rate, default=24.0, help="frames per simulated second (default 24)")
     parser.add_argument("--threads", type=positive(int), metavar="N", help="CPU threads (default: all)")
     parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
     parser.add_argument(

@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from workflow.stages.film.contact_sheet import flat
+
 
 def read(folder: Path) -> np.ndarray:
-    """The one picture in a folder as it is displayed, 0 to 1; shape [height, width, 3]."""
+    """The one picture in a folder as it is displayed, on paper if it is transparent, 0 to 1; shape [height, width,
+    3]."""
     path = next(iter(sorted(folder.glob("[0-9]*.png"))))
     with Image.open(path) as picture:
-        return np.asarray(picture.convert("RGB"), dtype=np.float64) / 255
+        return np.asarray(flat(picture), dtype=np.float64) / 255
 
 
 def difference(picture: np.ndarray, truth: np.ndarray) -> float:

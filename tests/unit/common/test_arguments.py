@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from common.arguments import not_negative, positive
+from common.arguments import not_negative, positive, rate
 
 
 @pytest.mark.parametrize(("kind", "text", "value"), [(int, "3", 3), (float, "0.5", 0.5), (float, "2", 2.0)])
@@ -53,3 +53,16 @@ def test_commands_name_the_option(command, tmp_path):
     wrong = options[-2] if "--limit" not in options else "--limit"
     assert done.returncode == 2 and f"argument {wrong}: expected" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("24", 24), ("23.976", 23.976), ("24000/1001", 24000 / 1001), ("1e-3", 1e-3)]
+)
+def test_a_rate_may_be_a_ratio(text, value):
+    assert rate(text) == value
+
+
+@pytest.mark.parametrize("text", ["0", "-24", "24000/0", "fast", "nan", "1/-2", "1e999", ""])
+def test_what_is_no_rate_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match="above 0, or a ratio such as 24000/1001"):
+        rate(text)

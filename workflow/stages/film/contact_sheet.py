@@ -58,15 +58,15 @@ def draw_sheet(cells: Sequence[Cell], *, columns: int, width: int, title: str, a
         left = edge + index % columns * (across + gap)
         top = header + index // columns * (height + caption + gap)
         with Image.open(cell.picture) as picture:
-            sheet.paste(_flat(picture).resize((across, height), Image.Resampling.LANCZOS), (left, top))
+            sheet.paste(flat(picture).resize((across, height), Image.Resampling.LANCZOS), (left, top))
         middle = top + height + caption / 2
         draw.text((left, middle), cell.left, INK, small, anchor="lm")
         draw.text((left + across, middle), cell.right, FAINT, small, anchor="rm")
     return sheet
 
 
-def _flat(picture: Image.Image) -> Image.Image:
-    """The picture without transparency."""
+def flat(picture: Image.Image) -> Image.Image:
+    """The picture without transparency: on paper."""
     if picture.mode not in {"RGBA", "LA", "PA"}:
         return picture.convert("RGB")
     base = Image.new("RGBA", picture.size, PAPER)
