@@ -88,8 +88,8 @@ class Lights(Settings):
     sun: Sun = Sun()
     areas: tuple[AreaLight, ...] = ()
     softboxes: Irradiance = 0.0
-    """Three large lamps around the action, as far from it as it is large: irradiance by the key light, left of the
-    camera, of a surface that faces it [W/m^2]. The fill light, right of it, has a third of that, the rim light, behind
+    """Three large lamps around the action, sized with it: irradiance by the key light, left of the camera, of a surface
+    that faces it [W/m^2]. The fill light, right of it, has a third of that, the rim light, behind
     the action, two thirds; 0 leaves them out."""
     environment: Environment = Environment()
 
