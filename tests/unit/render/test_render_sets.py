@@ -20,6 +20,7 @@ from render.content.world import add_world
 from render.inputs import Box
 from render.sets import DEFAULTS
 from render.spec import RenderSpec
+from tests.support.textured import picture
 
 MATTE = SimpleNamespace(type="matte", color=(0.8, 0.8, 0.8))
 
@@ -184,3 +185,21 @@ def test_a_blurred_panorama_is_as_bright_as_before():
     assert (width, blurred) == (1024, 64)
     assert after == pytest.approx(bright, rel=2e-3)
     assert [found[0] for found in panorama(0.0)] == [1024]
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_an_image_lies_on_all_that_shows_the_ground(name, tmp_path):
+    """As wide as it is told, wherever a face has that size."""
+    (tmp_path / "picture.png").write_bytes(picture())
+    look = SimpleNamespace(**vars(MATTE) | {"texture": str(tmp_path / "picture.png"), "texture_size": 0.5})
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    add_set(name, Site(BOX, 0.0, 3.0, look))
+    shown = [thing for thing in bpy.data.objects if thing.active_material.name.startswith(("ground", "wall"))]
+    assert shown
+    for thing in shown:
+        mesh = thing.data
+        for face in mesh.polygons:
+            at = np.array([mesh.vertices[mesh.loops[corner].vertex_index].co for corner in face.loop_indices])
+            on_image = np.array([mesh.uv_layers.active.uv[corner].vector for corner in face.loop_indices])
+            across = np.delete(at, int(np.abs(face.normal).argmax()), axis=1)
+            assert np.ptp(on_image, axis=0) * 0.5 == pytest.approx(np.ptp(across, axis=0), rel=1e-3, abs=1e-4), name
