@@ -79,6 +79,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         packages=_files(packages("looks")),
         save_blend=os.path.abspath(options.save_blend) if options.save_blend else None,
         export=_export_path(options.export),
+        particles=options.particles,
     )
     with Progress(len(job.frames())) as progress:
         blender = options.blender or program.chosen()
@@ -186,7 +187,15 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--threads", type=positive(int), metavar="N", help="CPU threads (default: all)")
     parser.add_argument("--save-blend", metavar="FILE", help="also save the first frame's scene as a .blend file")
     parser.add_argument(
-        "--export", metavar="FILE", help="write the animation to this file instead of pictures: .usdc, .abc or .blend"
+        "--export",
+        metavar="FILE",
+        help="write the animation to this file instead of pictures: .usdc, .usda, .abc, .glb or .blend",
+    )
+    parser.add_argument(
+        "--particles",
+        type=positive(float),
+        metavar="RADIUS",
+        help="let the exported file have the fluid's particles too, as points of this radius [m]",
     )
     parser.add_argument(
         "--blender",
@@ -197,5 +206,16 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
+def _main() -> int:
+    """`main`, and the end of the process where the package bpy would wait for ever: after its exporter of glTF ran, it
+    does not end its threads before it takes down what they wait for (Blender 4.5)."""
+    status = main()
+    if "io_scene_gltf2.blender.exp" in sys.modules:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+    return status
+
+
 if __name__ == "__main__":
-    end_with(main, goes_on=True)
+    end_with(_main, goes_on=True)

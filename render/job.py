@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-FORMATS = (".usd", ".usda", ".usdc", ".abc", ".blend")
+FORMATS = (".usd", ".usda", ".usdc", ".abc", ".blend", ".glb")
 """Kinds of files of a whole animation."""
 Report = Callable[[dict[str, Any]], None]
 """Takes what happened: `{"frame": 42, "wall_s": 3.1}` after each frame."""
@@ -35,7 +35,9 @@ class Job:
     packages: dict[str, str] = field(default_factory=dict)
     """Those that add looks, and their files: Blender's own Python does not know where they are installed."""
     export: str | None = None
-    """Instead of pictures: a file of the animation, .usd, .usda, .usdc, .abc or .blend."""
+    """Instead of pictures: a file of the animation, of one of the FORMATS."""
+    particles: float | None = None
+    """Radius of the fluid's particles [m], if the file is to have them as points."""
 
     def frames(self) -> range:
         """Numbers of the frames to be rendered."""

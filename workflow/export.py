@@ -2,15 +2,24 @@
 
     python -m workflow.export bunny --out bunny.usdc
     python -m workflow.export bunny --out bunny.abc --frames 0:24
+    python -m workflow.export bunny --out bunny.glb --frames 48:48
     python -m workflow.export bunny --out bunny.blend --blender /usr/bin/blender
-    python -m workflow.export bunny --out bunny.csv --spec '{"columns": ["x", "y"]}' --simulation out
+    python -m workflow.export bunny --out water.usdc --spec '{"surface": false, "particles": true}' --simulation out
+    python -m workflow.export bunny --out bunny.csv --spec '{"columns": ["x", "y"]}'
 
 It reads what the stages left in results/, so that nothing is made anew for it; or what `python -m sim run` left. The
 last of these examples is for a package that adds the format csv.
 
-In USD, Alembic and .blend, bodies and the camera are keyframes; water and cloth, whose triangles change, are sequences
-of meshes: sampled in USD and Alembic, one object a frame in a .blend, which therefore needs no files and no scripts.
-Older Blenders open no .blend of newer ones: --blender names the one that writes it.
+In USD, Alembic, glTF and .blend, bodies and the camera are keyframes; water and cloth, whose triangles change, are
+sequences of meshes: sampled in USD and Alembic, one object a frame in glTF and in a .blend, which therefore needs no
+files and no scripts. Foam is points with widths, and so are the fluid's particles, of which --spec may ask:
+
+    surface     the surface of the water (default true); without it, a run without its film will do
+    particles   the particles of the fluid (default false)
+
+Lengths are metres, and y is up, but in a .blend. Only a .blend has all of the materials, lights and surroundings; in
+USD and glTF, water is a clear material with its index of refraction, and Alembic has no materials. Older Blenders open
+no .blend of newer ones: --blender names the one that writes it.
 
 exit codes: 0 done, 1 failed, 2 refused (the scene, settings or files cannot be used as they are)
 """
@@ -44,6 +53,8 @@ from workflow.stages.film import tables
 from workflow.stages.stage import FAILED, REFUSED, refuse_spoiled
 
 COMMAND = "python -m workflow.export"
+STAGES = ("simulate", "reconstruct", "foam")
+"""Whose files formats read."""
 
 
 def gather(parts: Sequence[Path], folder: Path) -> Path:
@@ -62,28 +73,31 @@ def gather(parts: Sequence[Path], folder: Path) -> Path:
 
 def export(scene: Scene, out: Path, settings: FormatSettings, asked: Frames, simulation: Path | None = None) -> int:
     """Write `out`; `simulation` is the folder of a run that is no film's. Returns the exit status; raises Refused."""
-    simulated, meshed = ([simulation], []) if simulation else _parts(scene)
-    needed = [*simulated, *(meshed if settings.SURFACE else [])]
+    parts = _parts(scene) if simulation is None else {"simulate": [simulation]}
+    needs_surface = settings.needs_surface()
+    needed = [*parts["simulate"], *(parts.get("reconstruct", []) if needs_surface else [])]
     missing = next((folder for folder in needed if not folder.is_dir()), None)
-    if missing or (settings.SURFACE and simulation and scene.simulation.fluid is not None):
-        raise Refused(f"{missing or 'the surface of the water'} is missing", remedy="make the film first")
-    has_surface = bool(meshed) and all(folder.is_dir() for folder in meshed)
-    refuse_spoiled([*simulated, *(meshed if has_surface else [])], "", frames=asked)
+    if missing or (needs_surface and simulation and scene.simulation.fluid is not None):
+        raise Refused(f"{missing or 'the surface of the water'} is missing", remedy=_remedy(settings, missing))
+    there = {stage: folders for stage, folders in parts.items() if folders and all(map(Path.is_dir, folders))}
+    refuse_spoiled([folder for folders in there.values() for folder in folders], "", frames=asked)
     with tempfile.TemporaryDirectory(prefix="export-") as scratch:
-        made = Made(
-            scene,
-            asked,
-            gather(simulated, Path(scratch) / "simulation"),
-            gather(meshed, Path(scratch) / "surface") if has_surface else None,
-        )
+        gathered = {stage: gather(folders, Path(scratch) / stage) for stage, folders in there.items()}
+        made = Made(scene, asked, gathered["simulate"], gathered.get("reconstruct"), gathered.get("foam"))
         return implementation(settings.IMPLEMENTATION)(settings, made, out) or 0
 
 
-def _parts(scene: Scene) -> tuple[list[Path], list[Path]]:
-    """Folders of the simulation and of the surface of a film, there or not."""
+def _remedy(settings: FormatSettings, missing: Path | None) -> str:
+    """What to do where something is missing; one that needs no surface may do without it."""
+    can_do_without = missing is None and "surface" in type(settings).model_fields
+    also = """, or give --spec '{"surface": false, "particles": true}'""" if can_do_without else ""
+    return f"make the film first{also}"
+
+
+def _parts(scene: Scene) -> dict[str, list[Path]]:
+    """Folders of each stage of a film that a format may read, there or not."""
     plan = Plan(scene, HOME)
-    simulated, meshed = ([Path(job.folder) for job in plan.jobs(stage)] for stage in ("simulate", "reconstruct"))
-    return simulated, meshed
+    return {stage: [Path(job.folder) for job in plan.jobs(stage)] for stage in STAGES}
 
 
 def _settings(out: Path, given: str) -> FormatSettings:

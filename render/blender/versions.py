@@ -54,6 +54,12 @@ def pass_geometry(tree: Any) -> None:
         tree.outputs.new("NodeSocketGeometry", "Geometry")
 
 
+def known_options(operator: Any, options: dict[str, Any]) -> dict[str, Any]:
+    """Of options of an operator, those that it has: USD with y up came with 4.2."""
+    known = operator.get_rna_type().properties.keys()
+    return {name: value for name, value in options.items() if name in known}
+
+
 def absorb_evenly(material: Any) -> None:
     """Let light cross a volume that is the same everywhere in one step; since 5.0, Cycles sees that by itself."""
     if hasattr(material.cycles, "homogeneous_volume"):

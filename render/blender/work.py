@@ -11,7 +11,7 @@ from render.job import Job, Report
 def carry_out(job: Job, report: Report) -> dict[str, Any]:
     """Do a job within Blender; returns the summary. Raises RenderError, and Unusable."""
     if job.export is not None:
-        from render.blender.export import export_film
+        from render.export.film import export_film
 
         return export_film(job, Path(job.export), report)
     from render.blender.frames import render_frames

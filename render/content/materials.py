@@ -10,7 +10,7 @@ from typing import Any
 from render.blender import versions
 from render.blender.session import bpy
 from render.content.nodes import Caustics, Graph, rgba
-from render.looks import load_look
+from render.looks.simple import Known, load_simple
 from render.texturing.nodes import put_images
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
@@ -30,15 +30,17 @@ def make_material(
     rests: bool = False,
     thick: bool = False,
     caustics: Caustics | None = None,
+    known: Known = "all",
 ) -> Any:
-    """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours. `rests`
-    and `thick` are of sheets, as Graph has them. Without `caustics` light passes straight through what is clear."""
+    """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours, `known`
+    what its readers know of clear things. `rests` and `thick` are of sheets, as Graph has them. Without `caustics`
+    light passes straight through what is clear."""
     if getattr(look, "color", PLAIN) is None and not tinted:
         look = SimpleNamespace(**vars(look) | {"color": PLAIN})
     look = _varied(look, name)
     material = bpy.data.materials.new(name)
     graph = Graph.new(material, rests, thick, caustics)
-    surface, volume = load_look(look)(graph, look, size)
+    surface, volume = load_simple(look, known)(graph, look, size)
     put_images(graph, name, look)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)
@@ -63,15 +65,22 @@ def _varied(look: Any, name: str) -> Any:
 
 
 def make_materials(
-    name: str, look: Any, size: float, tinted: bool, otherwise: Any, caustics: Caustics | None = None
+    name: str,
+    look: Any,
+    size: float,
+    tinted: bool,
+    otherwise: Any,
+    *,
+    caustics: Caustics | None = None,
+    known: Known = "all",
 ) -> list[Any]:
     """The Blender materials of a body, by the numbers that its faces have: one, or those of its mesh file and, last,
-    what faces without any have. Without `caustics` light passes straight through what is clear."""
+    what faces without any have. `tinted`, `caustics` and `known` are as in `make_material`."""
     if look.type != "imported":
-        return [make_material(name, look, size, tinted=tinted, caustics=caustics)]
+        return [make_material(name, look, size, tinted=tinted, caustics=caustics, known=known)]
     parts = [SimpleNamespace(**vars(part) | {"type": look.type, "owner": name}) for part in look.materials]
     own = [(f"{name} {part.name}".rstrip(), part) for part in parts]
-    kinds: dict[str, Any] = {"tinted": tinted, "caustics": caustics}
+    kinds: dict[str, Any] = {"tinted": tinted, "caustics": caustics, "known": known}
     return [make_material(label, part, size, **kinds) for label, part in [*own, (name, otherwise)]]
 
 

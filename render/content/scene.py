@@ -28,6 +28,7 @@ from render.content.sets.site import Site
 from render.content.world import add_world
 from render.errors import Unusable
 from render.inputs import Box, Inputs, Pose
+from render.looks.simple import Known
 from render.texturing.nodes import places
 
 SUNK = 0.002
@@ -40,11 +41,13 @@ SUNK_BESIDE_CLOTH = 0.5
 class Scene:
     """Everything that is in the picture.
 
-    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that cannot be drawn.
+    `settings` is the dumped RenderSpec as nested namespaces; raises Unusable for files that cannot be drawn. For files
+    of which the readers know less of materials than Blender, looks are made simpler, and foam is left out.
     """
 
-    def __init__(self, settings: Any, inputs: Inputs, fps: float):
+    def __init__(self, settings: Any, inputs: Inputs, fps: float, known: Known = "all"):
         self.settings = settings
+        self._known = known
         self.inputs = inputs
         self.fps = fps
         self.box = inputs.extent()
@@ -53,20 +56,24 @@ class Scene:
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()
-        self._foam = self._make_foam() if inputs.foam else None
+        self._foam = self._make_foam() if inputs.foam and known == "all" else None
         self._caustics = CausticsOfLamps(self.box.diagonal) if settings.caustics else None
         self._camera.take_along()
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
-        """The meshes of a frame that change their shape, by name of their object; None where there is none."""
-        paths = {"cloth_" + name: self.inputs.sheet(name, frame) for name in self.inputs.sheets()}
-        if self.inputs.surface is not None:
-            paths["water"] = self.inputs.water(frame)
-        meshes = {name: read_mesh(path) if path else None for name, path in paths.items()}
+        """What `read_meshes` gives, and foam where there is some."""
+        meshes = self.read_meshes(frame)
         bubbles = self.inputs.bubbles(frame)
         if bubbles is not None:
             meshes["foam"] = read_cloud(bubbles)
         return meshes
+
+    def read_meshes(self, frame: int) -> dict[str, TriangleMesh | None]:
+        """The meshes of a frame that change their shape, by name of their object; None where there is none."""
+        paths = {"cloth_" + name: self.inputs.sheet(name, frame) for name in self.inputs.sheets()}
+        if self.inputs.surface is not None:
+            paths["water"] = self.inputs.water(frame)
+        return {name: read_mesh(path) if path else None for name, path in paths.items()}
 
     def show(self, frame: int, poses: dict[str, Pose], meshes: dict[str, TriangleMesh | None]) -> None:
         """Bring everything to where it is in a frame."""
@@ -97,8 +104,22 @@ class Scene:
             body.key(poses.get(name), frame)
 
     def moving(self) -> dict[str, MovingMesh]:
-        """What changes its shape, by the names that `read` gives."""
+        """What changes its shape, by the names that `read_meshes` gives."""
         return self._moving_meshes
+
+    def sampled(self) -> list[Any]:
+        """The objects that have another mesh in every frame."""
+        things = [moving.thing for moving in self._moving_meshes.values()]
+        return things + ([self._foam.thing] if self._foam else [])
+
+    def bodies(self) -> dict[str, Any]:
+        """The objects of the bodies by name."""
+        return {name: body.thing for name, body in self._bodies.items()}
+
+    def make_material(self, name: str, look: Any) -> Any:
+        """A material of water, and of all that may be around it."""
+        caustics = past_the_sun(self.settings.lights.sun) if self.settings.caustics else None
+        return make_material(name, look, self.box.diagonal, caustics=caustics, known=self._known)
 
     def _look(self, name: str, default: Any) -> Any:
         return getattr(self.settings.materials, name, default)
@@ -117,7 +138,7 @@ class Scene:
             return
         height = self._ground(visible)
         if settings.set == "none":
-            ground = add_ground(settings.ground, height, self.box, view)
+            ground = add_ground(settings.ground, height, self.box, view, self._known)
             ground.is_shadow_catcher = settings.background.type == "transparent"
         else:
             add_set(settings.set, self._site(visible, height))
@@ -129,7 +150,7 @@ class Scene:
         x, y, _ = visible.center
         cameras = (view_of(settings.camera, visible, settings.resolution, time).position for time in times)
         reach = max(visible.diagonal, *(math.dist(place, (x, y, height)) for place in cameras))
-        return Site(visible, height, reach, settings.ground.material, self._basin())
+        return Site(visible, height, reach, settings.ground.material, self._basin(), self._known)
 
     def _basin(self) -> Box | None:
         """The box around containers that are not drawn, where each is a box itself."""
@@ -158,7 +179,7 @@ class Scene:
             look = self._look(name, None)
             if look is not None:
                 inner = read_mesh(path)
-                add_container(name, inner, self.settings.walls, self._material(name, look, size), size)
+                add_container(name, inner, self.settings.walls, self.make_material(name, look), size)
                 visible = visible.joined(_bounds(inner).grown(wall_thickness(self.settings.walls, size)))
         return visible
 
@@ -170,26 +191,19 @@ class Scene:
             look = self._look(name, otherwise)
             caustics = Caustics() if self.settings.caustics else None
             size = _bounds(source).diagonal
-            materials = make_materials(name, look, size, tinted, otherwise, caustics)
+            materials = make_materials(name, look, size, tinted, otherwise, caustics=caustics, known=self._known)
             self._bodies[name] = Body(name, source, *materials, uv=places(name, source, look))
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:
-            look = self.settings.water
-            self._moving_meshes["water"] = MovingMesh("water", self._material("water", look, self.box.diagonal))
+            self._moving_meshes["water"] = MovingMesh("water", self.make_material("water", self.settings.water))
         for index, name in enumerate(self.inputs.sheets()):
             look = self._look(name, default_sheet_look(index))
             first = read_mesh(self.inputs.first_of_sheet(name))
-            self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal)
+            self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal, self._known)
 
     def _make_foam(self) -> Foam:
-        material = self._material("foam", self.settings.foam, self.box.diagonal)
-        return Foam(material, meshes="motion" in self.settings.passes)
-
-    def _material(self, name: str, look: Any, size: float) -> Any:
-        """Of water and all that may be around it."""
-        caustics = past_the_sun(self.settings.lights.sun) if self.settings.caustics else None
-        return make_material(name, look, size, caustics=caustics)
+        return Foam(self.make_material("foam", self.settings.foam), meshes="motion" in self.settings.passes)
 
 
 def _bounds(source: TriangleMesh) -> Box:

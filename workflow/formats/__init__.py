@@ -6,7 +6,7 @@ from common.registry import added
 from workflow.formats.format import FormatSettings
 from workflow.formats.spec import Animation
 
-FORMATS: dict[str, type[FormatSettings]] = dict.fromkeys(("usd", "usda", "usdc", "abc", "blend"), Animation)
+FORMATS: dict[str, type[FormatSettings]] = dict.fromkeys(("usd", "usda", "usdc", "abc", "glb", "blend"), Animation)
 """By the end of the names of their files, beside those of installed packages."""
 
 

@@ -22,6 +22,10 @@ class FormatSettings(Settings):
     SURFACE: ClassVar[bool] = False
     """Whether it needs the surface of the water: then what is only simulated is refused."""
 
+    def needs_surface(self) -> bool:
+        """SURFACE, unless it depends on the settings."""
+        return self.SURFACE
+
 
 @dataclass(frozen=True)
 class Made:
@@ -34,3 +38,5 @@ class Made:
     """With `fluid_00042.ply`, `cloth_NAME_00042.ply`, `body_NAME.ply`, `bodies.csv` and the other tables."""
     surface: Path | None
     """With `surface_00042.ply`; None where there is none."""
+    foam: Path | None = None
+    """With `foam_00042.ply`; None where there is none."""

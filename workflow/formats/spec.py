@@ -8,7 +8,14 @@ from workflow.formats.format import FormatSettings
 
 
 class Animation(FormatSettings):
-    """An animation for other programs: USD, Alembic, or a .blend; what is seen is in the scene's `render:`."""
+    """An animation for other programs: USD, Alembic, glTF or a .blend; what is seen is in the scene's `render:`."""
 
     IMPLEMENTATION: ClassVar[str] = "workflow.formats.animation:write"
-    SURFACE: ClassVar[bool] = True
+    surface: bool = True
+    """The surface of the water; without it, none need have been made."""
+    particles: bool = False
+    """The particles of the fluid, as points."""
+
+    def needs_surface(self) -> bool:
+        """Whether the water's surface is in the file."""
+        return self.surface

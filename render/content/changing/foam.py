@@ -20,24 +20,34 @@ class Foam:
     """One object whose points change from frame to frame."""
 
     def __init__(self, material: Any, meshes: bool):
-        self._thing = bpy.data.objects.new("foam", bpy.data.meshes.new("foam"))
-        bpy.context.scene.collection.objects.link(self._thing)
-        modifier = self._thing.modifiers.new("balls", "NODES")
-        modifier.node_group = _balls(material, meshes)
+        self._balls = _balls(material, meshes)
+        self.thing = self.add("foam", bpy.data.meshes.new("foam"))
 
     def show(self, source: TriangleMesh) -> None:
         """Have these points: x, y, z [m], radius [m] and vx, vy, vz [m/s], which Cycles takes for motion blur."""
-        columns = source.columns
-        old, mesh = self._thing.data, bpy.data.meshes.new("foam")
-        mesh.vertices.add(source.vertex_count())
-        mesh.vertices.foreach_set("co", z_up_columns(columns["x"], columns["y"], columns["z"]))
-        velocity = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
-        velocity.data.foreach_set("vector", z_up_columns(columns["vx"], columns["vy"], columns["vz"]))
-        mesh.attributes.new(RADIUS, "FLOAT", "POINT").data.foreach_set("value", columns["radius"])
-        mesh.update()
-        self._thing.data = mesh
-        self._thing.hide_render = source.vertex_count() == 0
+        old = self.thing.data
+        self.thing.data = build_points("foam", source)
+        self.thing.hide_render = source.vertex_count() == 0
         bpy.data.meshes.remove(old)
+
+    def add(self, name: str, points: Any) -> Any:
+        """Put another object into the scene that shows points as balls."""
+        thing = bpy.data.objects.new(name, points)
+        bpy.context.scene.collection.objects.link(thing)
+        thing.modifiers.new("balls", "NODES").node_group = self._balls
+        return thing
+
+
+def build_points(name: str, source: TriangleMesh) -> Any:
+    """A bpy mesh of points alone, z up, with the attributes `velocity` [m/s] and RADIUS [m]."""
+    columns, mesh = source.columns, bpy.data.meshes.new(name)
+    mesh.vertices.add(source.vertex_count())
+    mesh.vertices.foreach_set("co", z_up_columns(columns["x"], columns["y"], columns["z"]))
+    velocity = mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+    velocity.data.foreach_set("vector", z_up_columns(columns["vx"], columns["vy"], columns["vz"]))
+    mesh.attributes.new(RADIUS, "FLOAT", "POINT").data.foreach_set("value", columns["radius"])
+    mesh.update()
+    return mesh
 
 
 def _balls(material: Any, meshes: bool) -> Any:

@@ -16,6 +16,7 @@ from render.content.materials import make_material
 from render.content.nodes import REST, RIM
 from render.content.ply import TriangleMesh, max_of, min_of
 from render.errors import Unusable
+from render.looks.simple import Known
 
 FILLED = 0.9
 """Thickness as drawn over that of the simulation, unless set: cloth that lies on cloth does not reach into it."""
@@ -29,7 +30,7 @@ class Sheet(MovingMesh):
     Raises Unusable for what its look has and files of old do not hold.
     """
 
-    def __init__(self, name: str, look: Any, first: TriangleMesh, action: float):
+    def __init__(self, name: str, look: Any, first: TriangleMesh, action: float, known: Known = "all"):
         thick = drawn_thickness(look, first) is not None
         size = rest_size(first) or action
         back = getattr(look, "back", None)
@@ -41,7 +42,7 @@ class Sheet(MovingMesh):
         sides = [(name, look)]
         if back is not None:
             sides.append((f"{name} back", SimpleNamespace(**vars(look) | {"color": back})))
-        kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick}
+        kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick, "known": known}
         super().__init__("cloth_" + name, *(make_material(side, its, size, **kinds) for side, its in sides))
         self._look = look
 

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from render.content.axes import Vector
-from render.content.materials import make_material
 from render.content.nodes import rgba
 from render.content.sets.ground import add_plain, surface_of
 from render.content.sets.site import Site, add_mesh, add_slab
@@ -26,20 +25,22 @@ GREEN = SimpleNamespace(type="matte", color=(0.33, 0.45, 0.18))
 def build(site: Site) -> None:
     x, y, top = site.middle
     half, step = site.beside(MARGIN * site.size), STEP * site.size
-    material = make_material("ground", site.look, site.size)
+    material = site.material("ground")
     site.lay(add_slab("ground", half, 1.5 * step, material, site.middle))
     soil = (x, y, top - step)
-    add_plain(_green("soil", site.size), soil, site.reach)
+    add_plain(_green("soil", site), soil, site.reach, site.known)
     corners, faces = _blades(half, step, max(LAWN * site.size, 1.2 * max(half)))
-    add_mesh("grass", corners, faces, _green("grass", site.size), soil)
+    add_mesh("grass", corners, faces, _green("grass", site), soil)
 
 
-def _green(name: str, size: float) -> Any:
+def _green(name: str, site: Site) -> Any:
     """Grass, in spots of lighter and darker green."""
-    material = make_material(name, GREEN, size)
+    material = site.material(name, GREEN)
+    if site.known != "all":
+        return material
     graph, output, _ = surface_of(material)
     place = graph.node("TexCoord").outputs["Object"]
-    spots = graph.node("TexNoise", {"Vector": place, "Scale": 6 / size, "Detail": 4.0}).outputs[0]
+    spots = graph.node("TexNoise", {"Vector": place, "Scale": 6 / site.size, "Detail": 4.0}).outputs[0]
     color = graph.mix_colors(graph.ramp(spots, 0.3, 0.7), rgba((0.24, 0.36, 0.13)), rgba((0.45, 0.55, 0.24)))
     leaf = graph.node("BsdfDiffuse", {"Color": color}).outputs[0]
     backlit = graph.node("BsdfTranslucent", {"Color": color}).outputs[0]

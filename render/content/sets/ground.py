@@ -13,24 +13,27 @@ from render.content.meshes import add_object
 from render.content.nodes import Graph
 from render.content.sets.images import lay_images
 from render.inputs import Box
+from render.looks.simple import Known
 
 NEAR, FAR = 1.5, 9.0
 """Where the ground begins to fade and where it is gone, over the camera's distance from the action's centre."""
 
 
-def add_ground(settings: Any, height: float, box: Box, view: View) -> Any:
+def add_ground(settings: Any, height: float, box: Box, view: View, known: Known = "all") -> Any:
     """Add the ground at a height [m] below the box of the action; returns the object."""
     x, y, _ = box.center
     reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
-    plain = add_plain(make_material("ground", settings.material, box.diagonal), (x, y, height), reach)
+    material = make_material("ground", settings.material, box.diagonal, known=known)
+    plain = add_plain(material, (x, y, height), reach, known)
     lay_images(plain, settings.material, box.diagonal)
     return plain
 
 
-def add_plain(material: Any, middle: Vector, reach: float) -> Any:
+def add_plain(material: Any, middle: Vector, reach: float, known: Known = "all") -> Any:
     """Add level ground around a point [m], which cameras look at from no farther than `reach` [m]; returns the
-    object."""
-    fade(material, NEAR * reach, FAR * reach)
+    object. It fades where Blender itself shows it."""
+    if known == "all":
+        fade(material, NEAR * reach, FAR * reach)
     mesh = bpy.data.meshes.new("ground")
     rim = 1.01 * FAR * reach
     corners = [(-rim, -rim, 0.0), (rim, -rim, 0.0), (rim, rim, 0.0), (-rim, rim, 0.0)]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
-from render.content.materials import make_material
 from render.content.sets.ground import add_plain, fade
 from render.content.sets.site import Site
 from render.content.sets.walls import WIDE, add_strip, seen_from_inside, sides
@@ -25,21 +25,23 @@ DECK = SimpleNamespace(type="stone", color=(0.72, 0.68, 0.62), roughness=0.9, gr
 
 
 def build(site: Site) -> None:
-    site.lay(add_plain(make_material("ground", site.look, site.size), site.middle, site.reach))
+    site.lay(add_plain(site.material("ground"), site.middle, site.reach, site.known))
+    if site.known != "all":
+        return  # a wall that is seen from behind, too, would hide the action
     half, depth = site.beside(MARGIN * site.size), DEPTH * site.size
     basin = site
     if site.basin is not None and _holds(site.basin, site.box, OVERLAP * site.size):
-        basin = Site(site.basin, site.height, site.reach, site.look)
+        basin = replace(site, box=site.basin, basin=None)
         half, depth = basin.beside(-OVERLAP * site.size), site.basin.high[2] - site.height
     width = RIM * site.size
     lip = ROUND * width
     for side in sides(half):
-        wall = seen_from_inside(make_material("wall", site.look, site.size), side, basin)
+        wall = seen_from_inside(site.material("wall"), side, basin)
         site.lay(add_strip("wall", side, basin, [(0.0, 0.0), (0.0, depth)], wall))
-        rim = seen_from_inside(make_material("rim", STONE, site.size), side, basin)
+        rim = seen_from_inside(site.material("rim", STONE), side, basin)
         edge = [(0.0, depth), (-lip, depth), (-lip, depth + lip), (width, depth + lip)]
         add_strip("rim", side, basin, edge, rim)
-        deck = seen_from_inside(make_material("deck", DECK, site.size), side, basin)
+        deck = seen_from_inside(site.material("deck", DECK), side, basin)
         fade(deck, 1.5 * site.reach, WIDE * site.reach)
         add_strip("deck", side, basin, [(width, depth + 0.9 * lip), (WIDE * site.reach, depth + 0.9 * lip)], deck)
 

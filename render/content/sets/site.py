@@ -7,9 +7,11 @@ from typing import Any
 
 from render.blender.session import bpy
 from render.content.axes import Vector
+from render.content.materials import make_material
 from render.content.meshes import add_object
 from render.content.sets.images import lay_images
 from render.inputs import Box
+from render.looks.simple import Known
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class Site:
     """Of the ground."""
     basin: Box | None = None
     """Around the containers of which no wall is drawn."""
+    known: Known = "all"
+    """What its readers know of clear things."""
 
     @property
     def size(self) -> float:
@@ -42,6 +46,10 @@ class Site:
         """Half the extents in x and y of the action with a margin on all sides [m]."""
         low, high = self.box.low, self.box.high
         return ((high[0] - low[0]) / 2 + margin, (high[1] - low[1]) / 2 + margin)
+
+    def material(self, name: str, look: Any = None) -> Any:
+        """A material of the set; without a look, that of the ground."""
+        return make_material(name, look or self.look, self.size, known=self.known)
 
     def lay(self, thing: Any) -> None:
         """Lay the images of the look on an object that has it."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from render.content.materials import make_material
 from render.content.sets.site import Site, add_mesh
 
 NEAREST = 2.0
@@ -32,5 +31,5 @@ def build(site: Site) -> None:
     for low, high in rings:
         faces += [(low + k, low + (k + 1) % AROUND, high + (k + 1) % AROUND, high + k) for k in range(AROUND)]
     faces = [face[::-1] for face in faces[1:]] + faces[:1]
-    material = make_material("ground", site.look, site.size)
+    material = site.material("ground")
     site.lay(add_mesh("ground", corners, faces, material, site.middle, smooth=True))

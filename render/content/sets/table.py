@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from render.content.materials import make_material
 from render.content.sets.site import Site, add_slab
 
 MARGIN = 0.4
@@ -12,5 +11,5 @@ THICKNESS = 0.05
 
 
 def build(site: Site) -> None:
-    material = make_material("ground", site.look, site.size)
+    material = site.material("ground")
     site.lay(add_slab("ground", site.beside(MARGIN * site.size), THICKNESS * site.size, material, site.middle))

@@ -65,12 +65,43 @@ def test_every_format_is_offered_for_a_name_that_is_none(folder):
     assert all(name in done.stderr for name in FORMATS)
 
 
+@pytest.fixture(scope="module")
+def wet(tmp_path_factory) -> Path:
+    """With a scene of eight particles that would foam, and two frames of it."""
+    made = tmp_path_factory.mktemp("wet")
+    (made / "scenes").mkdir()
+    drop = {"shape": {"type": "box", "size": [0.2, 0.2, 0.2]}, "position": [0, 1, 0]}
+    scene = {"duration": 0.02, "fps": 50, "fluid": {"particle_radius": 0.05, "bodies": {"drop": drop}}, "foam": {}}
+    (made / "scenes" / "drop.yaml").write_text(json.dumps(scene))
+    done = python(made, "sim", "run", "scenes/drop.yaml", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    return made
+
+
+def test_particles_need_no_surface(wet):
+    """Those of a run, as points as wide as the particles are apart; that there is no foam yet is said."""
+    spec = json.dumps({"surface": False, "particles": True})
+    done = python(wet, "workflow.export", "drop", "--simulation", "out", "--out", "drop.usda", "--spec", spec)
+    assert done.returncode == 0, done.stderr
+    assert "no foam yet" in done.stderr
+    text = (wet / "drop.usda").read_text()
+    assert 'Xform "particles"' in text and 'Xform "water"' not in text
+    assert f"float[] widths = [{', '.join(['0.1'] * 8)}]" in text
+
+
+def test_water_without_a_surface_is_refused_with_both_ways_out(wet):
+    done = python(wet, "workflow.export", "drop", "--simulation", "out", "--out", "drop.glb")
+    assert done.returncode == 2
+    assert "make the film first, or give --spec" in done.stderr and "particles" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--out", "ball.usda"], "is missing. make the film first"),
         (["--out", "ball.usda", "--simulation", "nowhere"], "nowhere is missing. make the film first"),
         (["--out", "ball.usda", "--simulation", "out", "--spec", '{"scale": 2}'], "scale: Extra inputs"),
+        (["--out", "ball.glb", "--simulation", "out", "--spec", '{"particles": true}'], "the scene has no fluid"),
     ],
 )
 def test_what_cannot_be_written_is_refused(folder, options, message):
