@@ -40,6 +40,7 @@ def _panorama(graph: Graph, settings: Any, blur: float = 0.0) -> Any:
     image = _load(settings)
     smooth = {"interpolation": "Cubic"} if blur > 0 else {}
     if blur > 0:
+        image = images.copy(image)
         _blur(image, blur)
     color = graph.node("TexEnvironment", {"Vector": turned}, image=image, **smooth).outputs[0]
     return graph.node("Background", {"Color": color, "Strength": settings.strength}).outputs[0]

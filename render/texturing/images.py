@@ -43,6 +43,13 @@ def load(path: Path, what: str, index: int | None = None, *, data: bool = False)
     return image
 
 
+def copy(image: Any) -> Any:
+    """A copy that may be changed: `load` gives it to nobody else."""
+    other = image.copy()
+    del other[_KEY]
+    return other
+
+
 def _own(path: Path) -> Any:
     if not _sound(path.read_bytes()):
         return None
