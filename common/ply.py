@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO
 
 import numpy as np
@@ -26,7 +27,6 @@ _TYPES = {
 }
 _LONGEST_HEADER = 10_000
 _SURFACE_NAMES = ("x", "y", "z", "nx", "ny", "nz", "vx", "vy", "vz")
-_SURFACE_VERTEX = np.dtype([(name, "<f4") for name in _SURFACE_NAMES])
 _TRIANGLE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
 _TEXTURED = [("corners", "u1"), ("uv", "<f4", (3, 2))], ["list uchar float texcoord"]
 _OF_A_MATERIAL = [("material", "<i4")], ["int texnumber"]
@@ -100,15 +100,24 @@ def columns(points: np.ndarray, names: Sequence[str]) -> np.ndarray:
 
 
 def write_surface(
-    path: Path, vertices: np.ndarray, normals: np.ndarray, velocities: np.ndarray, triangles: np.ndarray
+    path: Path,
+    vertices: np.ndarray,
+    normals: np.ndarray,
+    velocities: np.ndarray,
+    triangles: np.ndarray,
+    attributes: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> None:
-    """Write a mesh: positions [m], unit normals and velocities [m/s], shape [n, 3]; vertex indices, shape [m, 3]."""
-    points = np.empty(len(vertices), _SURFACE_VERTEX)
+    """Write a mesh: positions [m], unit normals and velocities [m/s], shape [n, 3]; vertex indices, shape [m, 3]; and
+    further properties of the vertices by name, shape [n]."""
+    properties = (*_SURFACE_NAMES, *attributes)
+    points = np.empty(len(vertices), [(name, "<f4") for name in properties])
     for names, values in (("xyz", vertices), (("nx", "ny", "nz"), normals), (("vx", "vy", "vz"), velocities)):
         for axis, name in enumerate(names):
             points[name] = values[:, axis]
+    for name, column in attributes.items():
+        points[name] = column
     with path.open("wb") as file:
-        _write_mesh(file, points, [f"float {name}" for name in _SURFACE_NAMES], triangles)
+        _write_mesh(file, points, [f"float {name}" for name in properties], triangles)
 
 
 def write_points(path: Path, points: np.ndarray) -> None:

@@ -248,6 +248,12 @@ class RenderSpec(Settings):
             raise ValueError("no image lies on what flows: leave it out, and give another type or a color")
         return look
 
+    def looks(self) -> dict[tuple[str, ...], Any]:
+        """All looks that are given, by the path of keys within `render:`."""
+        found: dict[tuple[str, ...], Any] = {("water",): self.water, ("foam",): self.foam}
+        found[("ground", "material")] = self.ground.material
+        return found | {("materials", name): look for name, look in self.materials.items()}
+
     def named_bodies(self) -> tuple[str, ...]:
         """The keys of `materials`: each must be the name of a body, sheet or container of the scene."""
         return tuple(self.materials)

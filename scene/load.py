@@ -12,6 +12,7 @@ from annotated_types import Le, Len
 from pydantic import Field, ValidationError
 
 from common.distribution import HOME
+from render.looks.spec import Colormap
 from render.spec import RenderSpec
 from render.texturing.spec import Imported, images_of
 from scene import assets
@@ -225,6 +226,7 @@ def _check_across_stages(scene: Scene) -> None:
         raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
     if scene.render.background.type == "transparent":
         scene.film.refuse_opaque()
+    _check_colormaps(scene)
     for name in scene.render.named_bodies():
         location = ("render", "materials", name)
         if name in LOOKS and name not in found:
@@ -253,6 +255,22 @@ def _check_images(name: str, look: Any, item: Named) -> None:
         message = f"'{name}' is {kind}: images lie on rigid bodies alone, and on the ground"
         remedy = "give it a color, or give the image to render.ground.material, with a texture_size"
         raise Refused(message, location=("render", "materials", name, *where), remedy=remedy)
+
+
+def _check_colormaps(scene: Scene) -> None:
+    """Colours come from attributes that the surface of the water has, if it is asked for them."""
+    for path, look in scene.render.looks().items():
+        if not isinstance(look, Colormap):
+            continue
+        location = ("render", *path)
+        if path != ("water",):
+            message = "only the surface of the water has attributes that a colormap shows"
+            raise Refused(message, location=location, remedy="give it as render.water, or use another look here")
+        asked = scene.surface.attributes
+        if look.attribute not in asked:
+            message = f"the surface has no '{look.attribute}', since surface.attributes does not name it"
+            remedy = f"give surface: {{attributes: [{', '.join((*asked, look.attribute))}]}}"
+            raise Refused(message, location=(*location, "attribute"), remedy=remedy)
 
 
 def _check_writes(scene: Scene, root: Path) -> None:

@@ -6,6 +6,7 @@ import math
 from array import array
 from typing import Any
 
+from common.attributes import ATTRIBUTES
 from render.blender import versions
 from render.blender.session import bpy
 from render.content.axes import z_up_columns
@@ -25,7 +26,7 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
     """A smooth-shaded bpy mesh, z up, with an edge where fluid ends at a wall.
 
     Velocities [m/s] become the point attribute `velocity`: Cycles takes it, under this very name, for motion blur.
-    Colours become the point attribute TINT.
+    Colours become the point attribute TINT; what water says of the fluid, one of the same name each.
     """
     source = _parted_at_walls(source)
     columns, triangles = source.columns, source.triangles
@@ -47,6 +48,8 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
     if source.has(*COLOR_COLUMNS):
         tint = mesh.attributes.new(TINT, "FLOAT_COLOR", "POINT")
         tint.data.foreach_set("color", _light(*(columns[name] for name in COLOR_COLUMNS)))
+    for name in filter(source.has, ATTRIBUTES):
+        mesh.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", source.columns[name])
     mesh.update(calc_edges=True)
     return mesh
 

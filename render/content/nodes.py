@@ -123,6 +123,17 @@ class Graph:
         inputs = {"Value": value, "From Min": low, "From Max": high}
         return self.node("MapRange", inputs, interpolation_type="SMOOTHSTEP").outputs[0]
 
+    def color_ramp(self, value: Any, stops: Sequence[tuple[float, float, float, float]]) -> Any:
+        """The first of some linear colours at 0, the last at 1, the others at even distances between, and straight from
+        each to the next."""
+        node = self.node("ValToRGB", {0: value})
+        elements = node.color_ramp.elements
+        for index, color in enumerate(stops):
+            place = index / (len(stops) - 1)
+            element = elements[0] if index == 0 else elements[-1] if place == 1 else elements.new(place)
+            element.color = color
+        return node.outputs["Color"]
+
     def mix(self, share: Any, first: Any, second: Any) -> Any:
         """Blend of two shaders: `second` where `share` is 1."""
         return self.node("MixShader", {0: share, 1: first, 2: second}).outputs[0]

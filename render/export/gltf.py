@@ -8,9 +8,11 @@ in all others. It has neither area lights nor surroundings, and a camera that ca
 from __future__ import annotations
 
 from array import array
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from common.attributes import ATTRIBUTES
 from render.blender import versions
 from render.blender.session import bpy
 from render.content.changing.foam import RADIUS
@@ -36,7 +38,9 @@ def write_gltf(frames: Frames, path: Path) -> None:
     for frame in frames.numbers:
         for name, mesh in scene.read_meshes(frame).items():
             if mesh is not None and len(mesh.triangles) > 0:
-                _show(scene.moving()[name].copy(mesh, f"{name}_{frame:05d}"), frame, frames.numbers)
+                thing = scene.moving()[name].copy(mesh, f"{name}_{frame:05d}")
+                _underscore(thing.data, ATTRIBUTES)
+                _show(thing, frame, frames.numbers)
         for cloud in frames.clouds:
             points = cloud.read(frame)
             if points.vertex_count() > 0:
@@ -83,10 +87,14 @@ def _named(mesh: Any) -> Any:
     for name, values in (("_vx", flat[0::3]), ("_vy", flat[2::3]), ("_vz", array("f", (-y for y in flat[1::3])))):
         mesh.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", values)
     mesh.attributes[RADIUS].name = "_radius"
-    for name in NUMBERS.values():
+    _underscore(mesh, NUMBERS.values())
+    return mesh
+
+
+def _underscore(mesh: Any, names: Iterable[str]) -> None:
+    for name in names:
         if name in mesh.attributes:
             mesh.attributes[name].name = f"_{name}"
-    return mesh
 
 
 def _show(thing: Any, frame: int, numbers: range) -> None:

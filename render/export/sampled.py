@@ -11,7 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from common.attributes import ATTRIBUTES
 from render.blender.session import bpy
+from render.content.ply import TriangleMesh
 from render.export.clouds import Cloud
 from render.export.frames import Frames, save
 from render.export.points import Particles, PointClouds, Points
@@ -62,7 +64,7 @@ def _write(frames: Frames, kind: Callable[[Cloud], Points], export: Callable[[],
         for name, mesh in scene.read_meshes(frame).items():
             moving = scene.moving()[name]
             if mesh is None or len(mesh.triangles) == 0:
-                moving.take(_nothing(name), None)
+                moving.take(_nothing(name, mesh), None)
             else:
                 moving.take(moving.build(mesh, name), mesh)
             moving.thing.data.name = name
@@ -85,8 +87,14 @@ def _write(frames: Frames, kind: Callable[[Cloud], Points], export: Callable[[],
         raise failed[0]
 
 
-def _nothing(name: str) -> Any:
-    """A triangle without area: exporters go on with the last mesh where one is empty."""
+def _nothing(name: str, source: TriangleMesh | None) -> Any:
+    """A triangle without area, with the attributes of the mesh that it stands for: exporters go on with the last mesh
+    where one is empty."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0.0, 0.0, 0.0)] * 3, [], [(0, 1, 2)])
+    if source is not None:
+        if source.has("vx", "vy", "vz"):
+            mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
+        for attribute in filter(source.has, ATTRIBUTES):
+            mesh.attributes.new(attribute, "FLOAT", "POINT")
     return mesh

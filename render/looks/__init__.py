@@ -29,6 +29,7 @@ LOOKS = {
     "lemon": "render.looks.lemon:build",
     "planks": "render.looks.planks:build",
     "tiles": "render.looks.tiles:build",
+    "colormap": "render.looks.colormap:build",
     "imported": "render.looks.imported:build",
 }
 """By the type that they have in a scene."""

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from render.content.nodes import Graph, rgba
 from render.looks import Build, load_look
+from render.looks.colormap import MAPS
 from render.looks.water import CLARITY
 
 Known = Literal["all", "transmission", "opacity"]
@@ -62,7 +63,19 @@ def _cloth(graph: Graph, look: Any, size: float, transmits: bool) -> tuple[Any, 
     return graph.node("BsdfPrincipled", inputs).outputs[0], None
 
 
+def _colormap(graph: Graph, look: Any, size: float, transmits: bool) -> tuple[Any, Any]:
+    middle = MAPS[look.map][len(MAPS[look.map]) // 2]
+    color = rgba([int(middle[at : at + 2], 16) / 255 for at in (0, 2, 4)])
+    return graph.node("BsdfPrincipled", {"Base Color": color, "Roughness": look.roughness}).outputs[0], None
+
+
 PATTERNED = ("stone", "wood", "paper", "ceramic", "lemon", "planks", "tiles")
 """Looks that have the one colour of their settings in files: Blender's exporters leave out colours that nodes make."""
-SIMPLE = {"water": _water, "glass": _glass, "matte": _matte, "cloth": _cloth} | dict.fromkeys(PATTERNED, _even)
+SIMPLE = dict.fromkeys(PATTERNED, _even) | {
+    "water": _water,
+    "glass": _glass,
+    "matte": _matte,
+    "cloth": _cloth,
+    "colormap": _colormap,
+}
 """By the type that they have in a scene."""

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from functools import reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Le
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
+from pydantic_core import core_schema
 
+from common.attributes import UNITS, Attribute
 from common.registry import added
 from render.color import Color, srgb
 from render.texturing.spec import Fraction, Imported, Rough, Textured
 from scene.diagnostics.suggestions import suggestion
 from scene.settings import Settings, type_names
-from scene.units import Dimensionless, Length, PositiveLength
+from scene.units import Dimensionless, Length, PositiveLength, Unit
 
 SizeOrNone = Annotated[Length, Ge(0)]
 RefractiveIndex = Annotated[Dimensionless, Ge(1), Le(4)]
@@ -53,7 +55,7 @@ class VariedLook(Settings):
     to 9 degrees and makes it up to 10 % darker or brighter."""
 
 
-class PrincipledLook(VariedLook):
+class Principled(Settings):
     """A look that Blender's Principled BSDF makes."""
 
     principled: dict[str, Dimensionless | Color] = {}
@@ -71,6 +73,10 @@ class PrincipledLook(VariedLook):
                 kind, example = ("colour", "'#ff8800'") if name in PRINCIPLED_COLORS else ("number", "0.5")
                 raise ValueError(f"{name} must be a {kind}: write one, as {example}")
         return values
+
+
+class PrincipledLook(Principled, VariedLook):
+    """One of them whose colour differs from body to body."""
 
 
 class Plastic(Rough, PrincipledLook):
@@ -244,11 +250,48 @@ class Tiles(PrincipledLook):
     """How much tiles differ in colour."""
 
 
+class Measured:
+    """Annotation of a number that is in the unit of `attribute`, a field before it."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.with_info_before_validator_function(self._convert, handler(source))
+
+    @staticmethod
+    def _convert(value: Any, info: core_schema.ValidationInfo) -> Any:
+        symbol = UNITS.get(info.data.get("attribute", ""))
+        return value if symbol is None else Unit(symbol).convert(value)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"type": ["number", "string"]}
+
+
+class Colormap(Principled):
+    """False colours of what the surface of the water says of the fluid; only for `render.water`."""
+
+    type: Literal["colormap"]
+    attribute: Attribute = "speed"
+    """One that `surface.attributes` names."""
+    low: Annotated[float, Measured()] = 0.0
+    """Value of the first colour; what is lower has it too. As a number in m/s, 1/s or kg/m^3, or as `0.5 m/s`."""
+    high: Annotated[float, Measured()]
+    """Value of the last colour; what is higher has it too."""
+    map: Literal["viridis", "inferno", "coolwarm"] = "viridis"
+    """`viridis` and `inferno` grow brighter; `coolwarm` is grey in the middle."""
+    roughness: Fraction = 0.4
+    """0 is a mirror-smooth surface."""
+
+    @model_validator(mode="after")
+    def _low_is_lower(self) -> Self:
+        if not self.low < self.high:
+            raise ValueError(f"low = {self.low:g} must be less than high = {self.high:g}: exchange them")
+        return self
+
+
 OF_SHEETS = ("back", "thickness", "weave", "hem")
 """Settings that looks have for sheets alone."""
 OWN = (
     *(Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles),
-    Imported,
+    *(Colormap, Imported),
 )
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""

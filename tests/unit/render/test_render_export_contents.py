@@ -224,6 +224,30 @@ def test_gltf_has_clear_water_and_one_animation(stages, tmp_path):
     assert read(part["attributes"]["_VZ"]).ravel() == pytest.approx([1.0] * 3)
 
 
+@pytest.fixture
+def fast(stages, write_mesh):
+    """The stages, whose water says its speed: 1 to 4 m/s at its corners."""
+    names = "x y z nx ny nz vx vy vz speed"
+    corners = [(0.2, 0, -0.3), (0.8, 0, -0.3), (0.5, 0, 0.4), (0.5, 0.8, 0)]
+    water = [(*corner, 0, 1, 0, 0, 0, 0, speed) for speed, corner in enumerate(corners, 1)]
+    write_mesh(stages[1] / "surface_00000.ply", names, water, [(0, 1, 2), (0, 3, 1)])
+    write_mesh(stages[1] / "surface_00001.ply", names, [], [])
+    return stages
+
+
+def test_usd_and_gltf_have_what_water_says_of_the_fluid(fast, tmp_path):
+    path = tmp_path / "film.usda"
+    export(fast, path)
+    text = path.read_text()
+    assert "float[] primvars:speed" in text and "0: [1, 2, 3, 4],\n                1: [0, 0, 0],\n" in text
+    export(fast, tmp_path / "film.glb")
+    data = (tmp_path / "film.glb").read_bytes()
+    scene = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+    water = next(mesh for mesh in scene["meshes"] if mesh["name"].startswith("water"))
+    speed = scene["accessors"][water["primitives"][0]["attributes"]["_SPEED"]]
+    assert (speed["type"], speed["componentType"]) == ("SCALAR", 5126)
+
+
 def test_without_being_asked_there_are_no_particles(stages, tmp_path):
     path = tmp_path / "film.usda"
     export(stages, path)

@@ -8,7 +8,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
+from pydantic import field_validator
 
+from common.attributes import Attribute
 from scene.settings import Name, Settings
 from scene.units import Density, Dimensionless, PositiveLength
 from sim.bodies.wall import Wall
@@ -74,9 +76,20 @@ class SurfaceSpec(Settings):
     """End flush with containers, planes and bodies where the fluid touches them, up to their edges."""
     volume: bool = True
     """Bring each connected piece of the surface to the volume of its particles; thin sheets are too thick otherwise."""
+    attributes: tuple[Attribute, ...] = ()
+    """What the vertices say of the fluid there, for looks as `colormap` and for other programs: `speed` [m/s],
+    `vorticity`, its magnitude [1/s], `density` [kg/m^3]; each the mean of the particles around."""
     smoothing: MeshSmoothing = MeshSmoothing()
     cleanup: MeshCleanup = MeshCleanup()
     normals: Normals = Normals()
+
+    @field_validator("attributes")
+    @classmethod
+    def _each_once(cls, names: tuple[Attribute, ...]) -> tuple[Attribute, ...]:
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice:
+            raise ValueError(f"{twice} is named twice: name it once")
+        return names
 
 
 class ReconstructSpec(Settings):
