@@ -34,9 +34,28 @@ class Frames:
         for frame in self.numbers:
             self.scene.key(frame, self.poses[frame])
 
+    def shrink_absent_bodies(self) -> None:
+        """Let bodies have no size in frames in which they are not there, in place of being out of sight: no file but a
+        .blend says that, and Blender does not even move them then."""
+        for name, thing in self.scene.bodies().items():
+            there = {frame: name in self.poses[frame] for frame in self.numbers}
+            if not all(there.values()):
+                curves = versions.curves(thing)
+                for curve in [curve for curve in curves if curve.data_path in ("hide_render", "hide_viewport")]:
+                    curves.remove(curve)
+                thing.hide_render = thing.hide_viewport = False
+                give_size(thing, there)
+
     def done(self, frame: int) -> None:
         """Say that a frame is read."""
         self.report({"frame": frame, "wall_s": 0.0})
+
+
+def give_size(thing: Any, seen: dict[int, bool]) -> None:
+    """Give a thing its size in the frames in which it is seen, and none in others."""
+    for frame, whole in seen.items():
+        thing.scale = (float(whole),) * 3
+        thing.keyframe_insert("scale", frame=frame)
 
 
 def save(path: Path, operator: Any, **options: Any) -> None:

@@ -18,7 +18,7 @@ from render.blender.session import bpy
 from render.content.changing.foam import RADIUS
 from render.content.meshes import add_object
 from render.export.clouds import NUMBERS
-from render.export.frames import Frames, save
+from render.export.frames import Frames, give_size, save
 from render.export.glb import add_volumes
 
 THICKNESS = 0.1
@@ -31,10 +31,7 @@ def write_gltf(frames: Frames, path: Path) -> None:
     scene = frames.scene
     for thing in scene.sampled():
         bpy.data.objects.remove(thing)
-    for name, thing in scene.bodies().items():
-        there = {frame: name in frames.poses[frame] for frame in frames.numbers}
-        if not all(there.values()):
-            _size(thing, there)
+    frames.shrink_absent_bodies()
     for frame in frames.numbers:
         for name, mesh in scene.read_meshes(frame).items():
             if mesh is not None and len(mesh.triangles) > 0:
@@ -99,14 +96,7 @@ def _underscore(mesh: Any, names: Iterable[str]) -> None:
 
 def _show(thing: Any, frame: int, numbers: range) -> None:
     """Give a thing its size in one frame alone."""
-    _size(thing, {when: when == frame for when in (numbers[0], frame, frame + 1) if when in numbers})
-
-
-def _size(thing: Any, seen: dict[int, bool]) -> None:
-    """Give a thing its size in the frames in which it is seen, and none in others."""
-    for frame, whole in seen.items():
-        thing.scale = (float(whole),) * 3
-        thing.keyframe_insert("scale", frame=frame)
+    give_size(thing, {when: when == frame for when in (numbers[0], frame, frame + 1) if when in numbers})
 
 
 def _keep_time(frames: Frames) -> None:

@@ -77,6 +77,7 @@ def _write(frames: Frames, kind: Callable[[Cloud], Points], export: Callable[[],
             cloud.settle(graph)
 
     frames.key()
+    frames.shrink_absent_bodies()
     for thing in scene.sampled():
         thing.modifiers.new("sampled", "TRIANGULATE")
     points = [kind(cloud) for cloud in frames.clouds]

@@ -68,7 +68,7 @@ for frame in (0, 1):
     seen = {}
     for thing in bpy.data.objects:
         shown = thing.evaluated_get(graph)
-        if shown.hide_render or min(map(abs, shown.scale)) == 0 or thing.type not in ("MESH", "POINTCLOUD"):
+        if shown.hide_render or max(shown.matrix_world.to_scale()) < 1e-6 or thing.type not in ("MESH", "POINTCLOUD"):
             continue
         data = shown.data if thing.type == "POINTCLOUD" else thing.data if kind == "blend" else shown.data
         own = data.points if thing.type == "POINTCLOUD" else data.vertices
@@ -174,6 +174,18 @@ def test_blender_shows_what_was_there(stages, tmp_path, kind):
     assert first == pytest.approx([-0.8, 0.3, 0.0], abs=1e-4)
     assert min(named(1, "rock")[0]) == pytest.approx([0.2, 0.3, 0.0], abs=1e-4)
     assert len(named(0, "water")[0]) == 4
+
+
+@pytest.mark.parametrize("frame", [0, 1])
+@pytest.mark.parametrize("kind", ["usdc", "abc", "glb", "blend"])
+def test_a_body_that_is_not_there_yet_or_no_more_is_not_shown(stages, tmp_path, kind, frame):
+    table = stages[0] / "bodies.csv"
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join([lines[0], lines[1 + frame]]) + "\n")
+    path = tmp_path / f"film.{kind}"
+    export(stages, path)
+    found = look(tmp_path, BLENDER, path, FPS)
+    assert ["rock" in seen for seen in found] == [frame == 0, frame == 1]
 
 
 def test_gltf_has_clear_water_and_one_animation(stages, tmp_path):

@@ -42,8 +42,9 @@ def test_every_input_that_a_look_sets_is_there(monkeypatch, tmp_path, kind):
     monkeypatch.setattr(nodes.versions, "input_named", found)
     settings = next(look for look in OWN if look.model_fields["type"].annotation.__args__ == (kind,))
     images = {setting: {"file": "quarters.png"} for setting in ImportedMaterial.MAPS}
-    more = {"materials": [images]} if kind == "imported" else {}
-    make_materials("body", plain(settings(type=kind, **more).model_dump(mode="json")), 1.0, False, default_body_look(0))
+    needed = {"imported": {"materials": [images]}, "colormap": {"high": 1.0}}.get(kind, {})
+    look = plain(settings.model_validate({"type": kind, **needed}).model_dump(mode="json"))
+    make_materials("body", look, 1.0, False, default_body_look(0))
     assert asked and all(there for _, _, there in asked), asked
 
 
