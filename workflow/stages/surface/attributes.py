@@ -38,12 +38,12 @@ def sampled(
     """
     if not names:
         return {}
-    if not len(positions):
+    if not len(positions) or not len(vertices):
         return {name: np.zeros(len(vertices), np.float32) for name in names}
     tree = KDTree(positions.astype(np.float64))
     values = {
         "speed": lambda: np.linalg.norm(velocities.astype(np.float64), axis=1),
-        "vorticity": lambda: np.linalg.norm(curl(tree, velocities.astype(np.float64), spacing), axis=1),
+        "vorticity": lambda: _vorticity(tree, vertices.astype(np.float64), velocities.astype(np.float64), spacing),
         "density": lambda: density.astype(np.float64),
     }
     table = np.stack([values[name]() for name in names], axis=1)
@@ -51,15 +51,28 @@ def sampled(
     return {name: means[:, column].astype(np.float32) for column, name in enumerate(names)}
 
 
-def curl(tree: KDTree, velocities: np.ndarray, spacing: float) -> np.ndarray:
-    """Vorticity [1/s] of the particles in a tree, whose velocities [m/s] are given; both of shape [n, 3]."""
+def _vorticity(tree: KDTree, vertices: np.ndarray, velocities: np.ndarray, spacing: float) -> np.ndarray:
+    """Magnitude of the vorticity [1/s] of the particles that count at vertices, and 0 of others, shape [n]."""
     points = np.asarray(tree.data)
-    found = np.empty_like(points)
-    for rows, (other, away) in _around(tree, points, spacing):
+    away, _ = KDTree(vertices).query(points, distance_upper_bound=REACH * spacing)
+    counts = np.isfinite(away)
+    counts[tree.query(vertices)[1]] = True
+    found = np.zeros(len(points))
+    found[counts] = np.linalg.norm(curl(tree, velocities, spacing, np.flatnonzero(counts)), axis=1)
+    return found
+
+
+def curl(tree: KDTree, velocities: np.ndarray, spacing: float, which: np.ndarray) -> np.ndarray:
+    """Vorticity [1/s] of some particles, shape [k, 3]: of those `which` in a tree, where the velocities [m/s] of all are
+    given, shape [n, 3]."""
+    points = np.asarray(tree.data)
+    found = np.empty((len(which), 3))
+    for rows, (other, away) in _around(tree, points[which], spacing):
+        center = which[rows, None]
         # minus the slope of the kernel (1 - q^2)^3 over q
         weight = np.maximum(1.0 - away**2, 0.0) ** 2
-        way = (points[other] - points[rows, None]) / spacing
-        change = velocities[other] - velocities[rows, None]
+        way = (points[other] - points[center]) / spacing
+        change = velocities[other] - velocities[center]
         shape = np.einsum("nk,nki,nkj->nij", weight, way, way)
         slope = np.einsum("nk,nki,nkj->nij", weight, change, way) / spacing
         gradient = slope @ np.linalg.pinv(shape, rcond=FLAT, hermitian=True)
