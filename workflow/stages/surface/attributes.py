@@ -63,7 +63,7 @@ def _vorticity(tree: KDTree, vertices: np.ndarray, velocities: np.ndarray, spaci
 
 
 def curl(tree: KDTree, velocities: np.ndarray, spacing: float, which: np.ndarray) -> np.ndarray:
-    """Vorticity [1/s] of some particles, shape [k, 3]: of those `which` in a tree, where the velocities [m/s] of all are
+    """Vorticity [1/s] of some particles, shape [k, 3]: those `which` of a tree, where the velocities [m/s] of all are
     given, shape [n, 3]."""
     points = np.asarray(tree.data)
     found = np.empty((len(which), 3))
