@@ -15,7 +15,7 @@ RED = (1.0, 0.0, 0.0)
 
 
 def base_color(look, tinted):
-    material = make_material("body", look, 1.0, tinted)
+    material = make_material("body", look, 1.0, tinted=tinted)
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     return shader.inputs["Base Color"]
 
