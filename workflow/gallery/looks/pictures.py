@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +17,8 @@ from workflow.gallery.looks.exhibits import Exhibit, Exhibits
 from workflow.plan.jobs import Plan
 
 PICTURE = {"resolution": [240, 240], "samples": 64, "motion_blur": False}
+MODELS = Path("docs/gallery/models")
+"""Mesh files that stands name."""
 QUALITY = 85
 MOST_BYTES = 15_000
 
@@ -28,6 +30,7 @@ class NotMade(Exception):
 def picture(exhibit: Exhibit, shown: Exhibits, path: Path, folder: Path) -> None:
     """Write a JPEG, by way of files in a folder; raises NotMade and SceneError."""
     scene = folder / "scene.yaml"
+    shutil.copytree(HOME / MODELS, folder, dirs_exist_ok=True)
     stand = shown.stands[exhibit.on]
     render = {**PICTURE, **stand.get("render", {}), **yaml.safe_load(exhibit.lines)}
     scene.write_text(yaml.safe_dump({**stand, "render": render}, sort_keys=False))
@@ -39,7 +42,7 @@ def picture(exhibit: Exhibit, shown: Exhibits, path: Path, folder: Path) -> None
     if plan.has_surface:
         _run("workflow.reconstruct", "--spec", plan.job("reconstruct", 0).spec, *there, "--out", surface)
         there += ["--surface", surface]
-    _run("render", "--spec", json.dumps(render), *there, "--out", frames)
+    _run("render", "--spec", plan.job("render", 0).spec, *there, "--out", frames)
     with Image.open(frames / f"{last:05d}.png") as made:
         write_whole(path, lambda part: made.convert("RGB").save(part, "JPEG", quality=QUALITY, optimize=True))
     if path.stat().st_size > MOST_BYTES:
