@@ -12,9 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
+
 from common.distribution import HOME, environment
 from common.files import write_json
-from common.ply import write_surface
+from common.ply import columns, write_surface
 from common.simulation_files import BodyTable
 from scene.document import SceneError
 from scene.load import Scene
@@ -104,6 +106,18 @@ def reconstruct(scene: Scene, frame: Frame, threads: int = 1) -> Surface:
     return surface(frame.positions, frame.velocities, spec, numbers=numbers, solids=solids, threads=threads)
 
 
+def _attributes(scene: Scene, frame: Frame, surface: Surface) -> dict[str, np.ndarray]:
+    """What the scene lets the vertices of a surface say of the fluid."""
+    from workflow.stages.surface.attributes import sampled
+
+    fluid = scene.simulation.fluid
+    if fluid is None or frame.fluid is None:
+        return {}
+    density = columns(frame.fluid, ("density",))[:, 0]
+    spacing = 2 * fluid.particle_radius
+    return sampled(scene.surface.attributes, surface.vertices, frame.positions, frame.velocities, density, spacing)
+
+
 def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None = None) -> Path:
     """Draw a frame into `out`, a PNG, and return its path. The surface is made where it is not given; foam is not
     drawn. Raises RenderFailed."""
@@ -112,7 +126,8 @@ def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None 
         words = ["--spec", "-", "--simulation", str(frame.folder), "--frames", f"{frame.number}:{frame.number}"]
         if scene.simulation.fluid is not None:
             found = reconstruct(scene, frame) if surface is None else surface
-            write_surface(Path(name, f"surface_{frame.number:05d}.ply"), **vars(found))
+            path = Path(name, f"surface_{frame.number:05d}.ply")
+            write_surface(path, **vars(found), attributes=_attributes(scene, frame, found))
             words += ["--surface", name]
         command = [sys.executable, "-m", "render", *words, "--out", f"{name}/picture"]
         command += ["--fps", f"{scene.simulation.fps:.17g}"]

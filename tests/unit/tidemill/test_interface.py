@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import tidemill
 from tests.support.in_time import in_time
@@ -135,8 +136,6 @@ def test_no_surface_without_fluid(frames):
 
 @pytest.mark.slow
 def test_a_picture(path, frames, tmp_path):
-    from PIL import Image
-
     made = tidemill.render(tidemill.load(path), frames[1], tmp_path / "pictures" / "pond.png")
     with Image.open(made) as picture:
         assert picture.size == (64, 36)
@@ -148,6 +147,18 @@ def test_a_picture(path, frames, tmp_path):
             tmp_path / "none.png",
             tidemill.reconstruct(tidemill.load(path), frames[0]),
         )
+
+
+@pytest.mark.slow
+def test_a_picture_in_false_colours(path, frames, tmp_path):
+    """Of the fluid's own speed: the first colour of inferno is black, the last one pale yellow."""
+    found = []
+    for high in (1e-9, 1e6):
+        look = {"type": "colormap", "high": high, "map": "inferno"}
+        scene = tidemill.load(path, settings={"render.water": look, "surface.attributes": ["speed"]})
+        with Image.open(tidemill.render(scene, frames[1], tmp_path / f"{high}.png")) as picture:
+            found.append(np.asarray(picture.convert("L"), float)[20:, 24:40].mean())
+    assert found[0] > found[1] + 50
 
 
 def test_the_command_loads_none_of_it():
