@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from common import gltf
-from common.image_files import JPEG, MOST_PIXELS, PNG, cut_off, too_large
+from common.imported import gltf
+from common.imported.image_files import JPEG, MOST_PIXELS, PNG, cut_off, too_large
 from render.blender.session import bpy
 from render.errors import Unusable
 from render.texturing import MARK, WHOLE

@@ -6,7 +6,7 @@ import math
 from typing import Any
 from urllib.parse import unquote
 
-from common import gltf
+from common.imported import gltf
 from render.texturing.spec import PICTURES, ImportedImage, ImportedMaterial
 from scene.imported.found import Found, beside, printable
 from scene.settings import Refused

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from common import wavefront
+from common.imported import wavefront
 from render.texturing.spec import PICTURES, ImportedImage, ImportedMaterial
 from scene.imported.found import Found, beside, printable
 from scene.settings import Refused

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
-from common import gltf
-from common.image_files import cut_off, too_large
+from common.imported import gltf
+from common.imported.image_files import cut_off, too_large
 from scene.imported.bodies import found_in
 from scene.settings import Refused
 from sim.geometry.meshes.formats import read

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from common.gltf import joined
+from common.imported.gltf import joined
 
 QUARTERS = ("red", "green", "blue", "white")
 _COLORS = np.array([[(255, 0, 0), (0, 255, 0)], [(0, 0, 255), (255, 255, 255)]], np.uint8)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from common.image_files import MOST_PIXELS
+from common.imported.image_files import MOST_PIXELS
 from render import program
 from render.errors import Unusable
 from render.texturing import MARK, WHOLE

@@ -7,7 +7,7 @@ import math
 from render.content.sets.ground import add_plain
 from render.content.sets.site import Site
 from render.content.sets.walls import add_strip, seen_from_inside, sides
-from render.looks import tiles
+from render.looks.patterned import tiles
 
 MARGIN = 0.45
 """Between the action and a wall, over the size of the action."""

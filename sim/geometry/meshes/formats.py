@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from common import gltf, wavefront
+from common.imported import gltf, wavefront
 from scene.settings import Refused
 from sim.geometry.triangles import MATERIAL, UV, vertex_colors
 

@@ -5,7 +5,7 @@ import io
 import pytest
 from PIL import Image
 
-from common.image_files import cut_off, too_large
+from common.imported.image_files import cut_off, too_large
 
 IMAGE = Image.effect_noise((64, 64), 80)
 

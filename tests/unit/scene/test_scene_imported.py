@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from common import gltf
+from common.imported import gltf
 from scene.imported.bodies import found_in
 from scene.load import load
 from sim.spec import SimulationSpec
