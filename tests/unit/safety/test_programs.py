@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[3]
 STARTING = {
     *("render/blender/installed.py", "workflow/stages/film/encode.py", "workflow/running/process.py"),
     *("workflow/plan/foreseen.py", "workflow/budget/pilot.py", "workflow/study/trial.py"),
-    *("workflow/formats/animation.py", "workflow/gallery/collect.py"),
+    *("workflow/formats/animation.py", "workflow/gallery/collect.py", "workflow/gallery/looks/pictures.py"),
 }
 """What starts programs: the Blender that the user names, ffmpeg, and commands of our own."""
 WAYS = {
