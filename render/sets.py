@@ -29,13 +29,13 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     "pool": {
         "lights": {"sun": {"elevation": 55.0, "angle": 1.0}, "environment": {"strength": 0.7}},
         "background": {"type": "gradient", "horizon": "#d5e4ea", "zenith": "#7fb0d0"},
-        "ground": {"material": {"type": "tiles", "color": "#58a7c4", "joint": "#dcebef", "variation": 0.5}},
+        "ground": {"material": {"type": "tiles", "color": "#58a7c4", "joint": "#dcebef", "tone_variation": 0.5}},
     },
     "garden": {
         "lights": {"sun": {"angle": 1.0}, "environment": {"light": "forest", "strength": 0.6}},
         "background": {"type": "environment", "blur": 4.0},
         "ground": {
-            "material": {"type": "tiles", "color": "#a0927e", "joint": "#5a5547", "roughness": 0.8, "variation": 0.6}
+            "material": {"type": "tiles", "color": "#a0927e", "joint": "#5a5547", "roughness": 0.8, "tone_variation": 0.6}
         },
     },
 }

@@ -246,8 +246,8 @@ class Tiles(PrincipledLook):
     edge: PositiveLength | None = None
     """Of a tile, with its joint [m]; without it, 0.07 of the body's diagonal, as ground of that of the box of the
     action."""
-    variation: Fraction = 0.15
-    """How much tiles differ in colour."""
+    tone_variation: Fraction = 0.15
+    """How much the tiles of one floor or wall differ in brightness."""
 
 
 class Measured:

@@ -203,3 +203,9 @@ def test_an_image_lies_on_all_that_shows_the_ground(name, tmp_path):
             on_image = np.array([mesh.uv_layers.active.uv[corner].vector for corner in face.loop_indices])
             across = np.delete(at, int(np.abs(face.normal).argmax()), axis=1)
             assert np.ptp(on_image, axis=0) * 0.5 == pytest.approx(np.ptp(across, axis=0), rel=1e-3, abs=1e-4), name
+
+
+@pytest.mark.parametrize("name", DEFAULTS)
+def test_floor_and_walls_of_a_set_have_one_colour(name):
+    """`variation` would turn it by the names of what has it: blue floors had green walls."""
+    assert getattr(spec(set=name).ground.material, "variation", 0.0) == 0.0
