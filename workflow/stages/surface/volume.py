@@ -67,7 +67,17 @@ def right_drops(drops: Surface, drop: np.ndarray, volumes: np.ndarray, boundary:
     if not len(volumes) or not boundary.walls:
         return drops
     _, on = boundary.flush(drops, np.empty((0, 3)))
-    return _filled(drops, drop, volumes, np.where(on, 0.0, 1.0), boundary)
+    cut = np.zeros(len(volumes), bool)
+    cut[drop[on]] = True
+    if not cut.any():
+        return drops
+    some, number = cut[drop], np.cumsum(cut[drop]) - 1
+    triangles = number[drops.triangles[some[drops.triangles[:, 0]]]].astype(np.int32)
+    part = Surface(drops.vertices[some], drops.normals[some], drops.velocities[some], triangles)
+    thin = np.where(on[some], 0.0, 1.0)
+    vertices = drops.vertices.copy()
+    vertices[some] = _filled(part, (np.cumsum(cut) - 1)[drop[some]], volumes[cut], thin, boundary).vertices
+    return replace(drops, vertices=vertices)
 
 
 def _filled(surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, boundary: Boundary) -> Surface:
