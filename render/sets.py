@@ -35,7 +35,13 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "lights": {"sun": {"angle": 1.0}, "environment": {"light": "forest", "strength": 0.6}},
         "background": {"type": "environment", "blur": 4.0},
         "ground": {
-            "material": {"type": "tiles", "color": "#a0927e", "joint": "#5a5547", "roughness": 0.8, "tone_variation": 0.6}
+            "material": {
+                "type": "tiles",
+                "color": "#a0927e",
+                "joint": "#5a5547",
+                "roughness": 0.8,
+                "tone_variation": 0.6,
+            }
         },
     },
 }

@@ -19,7 +19,8 @@ def edge(look: Any, size: float) -> float:
 
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
     red, green, blue, _ = rgba(look.color)
-    dark, light = ((red * k, green * k, blue * k, 1.0) for k in (1 - 0.45 * look.tone_variation, 1 + 0.15 * look.tone_variation))
+    darkest, lightest = 1 - 0.45 * look.tone_variation, 1 + 0.15 * look.tone_variation
+    dark, light = ((red * k, green * k, blue * k, 1.0) for k in (darkest, lightest))
     inputs = {
         "Vector": _along_faces(graph),
         "Color1": dark,
