@@ -6,12 +6,14 @@ lie between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
 
+from sim.bodies.wall import Wall
 from workflow.stages.surface.mesh import Surface
 
 if TYPE_CHECKING:
@@ -22,6 +24,8 @@ APART = 3.0
 radii, do not meet."""
 SMALLER = 0.6
 """Of the volume of one drop of spray, the next has."""
+LIFTED = 0.7
+"""Of its radius, how far the middle of a drop is from a wall at least: one that is behind it would be gone."""
 SPREAD = 0.6
 """How far drops are from their particle at most, in spacings, before their middle is brought to it."""
 
@@ -33,25 +37,45 @@ def alone(positions: np.ndarray, reach: float) -> np.ndarray:
 
 
 def spray(
-    centers: np.ndarray, velocities: np.ndarray, numbers: np.ndarray, spacing: float, count: int
+    centers: np.ndarray,
+    velocities: np.ndarray,
+    numbers: np.ndarray,
+    spacing: float,
+    count: int,
+    walls: Sequence[Wall] = (),
 ) -> tuple[Surface, np.ndarray, np.ndarray]:
     """Drops of particles at `centers` [m] with `velocities` [m/s], float32, shape [k, 3], of `spacing` [m]: `count` of
-    each, around the particle, which is their centre of mass. Sizes and places are always the same for the same of the
-    `numbers`, shape [k]. And the drop of each vertex, and the volumes of the drops [m^3]."""
+    each, around the particle, which is their centre of mass but for those that `walls` would hide. Sizes and places are
+    always the same for the same of the `numbers`, shape [k]. And the drop of each vertex, and the volumes of the drops
+    [m^3]."""
     share = SMALLER ** np.arange(count)
     share /= share.sum()
     way = _directions(numbers, count) * SPREAD * spacing if count > 1 else np.zeros((len(centers), 1, 3))
     way -= np.einsum("j,ijk->ik", share, way)[:, None]
     volumes = np.tile(share * spacing**3, len(centers))
-    made = balls((centers[:, None] + way).reshape(-1, 3), np.repeat(velocities, count, axis=0), volumes)
-    return made, np.repeat(np.arange(len(volumes)), len(_unit_ball().vertices)), volumes
+    places, volumes = centers[:, None] + way, np.tile(share * spacing**3, (len(centers), 1))
+    radius = np.cbrt(volumes / (4 / 3 * np.pi))
+    for wall in walls:
+        lifted = np.maximum(LIFTED * radius - wall.distance(places), 0.0)
+        places = places + lifted[..., None] * np.array(wall.normal)
+    # the largest of each is as round as a lone ball, the others, which are many, as round as few pixels show
+    parts = [(balls(places[:, 0], velocities, volumes[:, 0], 1), len(centers), 1)]
+    if count > 1:
+        rest = (places[:, 1:].reshape(-1, 3), np.repeat(velocities, count - 1, axis=0), volumes[:, 1:].ravel())
+        parts.append((balls(*rest, 0), len(centers) * (count - 1), 0))
+    drop = np.repeat(
+        np.arange(volumes.size), np.concatenate([np.full(n, len(_unit_ball(level).vertices)) for _, n, level in parts])
+    )
+    first = parts[0][0]
+    return first + parts[1][0] if count > 1 else first, drop, np.concatenate([volumes[:, 0], volumes[:, 1:].ravel()])
 
 
-def balls(centers: np.ndarray, velocities: np.ndarray, volumes: np.ndarray) -> Surface:
-    """Balls of `volumes` [m^3], shape [k], around `centers` [m] with `velocities` [m/s], shape [k, 3]."""
+def balls(centers: np.ndarray, velocities: np.ndarray, volumes: np.ndarray, level: int) -> Surface:
+    """Balls of `volumes` [m^3], shape [k], around `centers` [m] with `velocities` [m/s], shape [k, 3]; `level` of 0 are
+    20 triangles each, 1 are 80."""
     if not len(centers):
         return Surface.empty()
-    ball = _unit_ball()
+    ball = _unit_ball(level)
     outwards, triangles = np.asarray(ball.vertices), np.asarray(ball.faces)
     radius = np.cbrt(volumes / ball.volume)
     vertices = centers[:, None].astype(np.float64) + radius[:, None, None] * outwards
@@ -84,8 +108,8 @@ def _random(state: np.ndarray) -> np.ndarray:
 
 
 @cache
-def _unit_ball() -> Trimesh:
-    """Of about as many triangles, 80, as small cubes make of a drop."""
+def _unit_ball(level: int) -> Trimesh:
+    """Of 20 triangles or, as many as small cubes make of a drop, 80."""
     from trimesh.creation import icosphere
 
-    return icosphere(subdivisions=1)
+    return icosphere(subdivisions=level)

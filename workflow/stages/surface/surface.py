@@ -39,7 +39,7 @@ def reconstruct(
         # What fills gaps in layers comes behind the particles, and has no volume of its own.
         own = np.flatnonzero(lone[:count])
         number = own if numbers is None else numbers[own]
-        made = spray(positions[own], velocities[own], number, spacing, surface.spray)
+        made = spray(positions[own], velocities[own], number, spacing, surface.spray, spec.walls)
         drops = flush(made[0], spec.walls)
     held = np.arange(len(positions))[~lone] < count
     positions, velocities = positions[~lone], velocities[~lone]

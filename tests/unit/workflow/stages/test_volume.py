@@ -95,7 +95,7 @@ def test_water_on_a_floor_stays_on_it():
 def test_a_lone_drop_on_a_floor_has_its_volume():
     drop = np.array([[0.0, 0.2 * SPACING, 0.0]], np.float32)
     assert made(drop, (FLOOR,)).volume == pytest.approx(SPACING**3, rel=0.01)
-    assert made(drop, (FLOOR,), volume=False).volume < 0.9 * SPACING**3
+    assert made(drop, (FLOOR,), volume=False).volume < 0.97 * SPACING**3
 
 
 def test_bulk_hardly_moves():

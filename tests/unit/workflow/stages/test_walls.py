@@ -40,9 +40,10 @@ def pool() -> np.ndarray:
 
 
 def surface(points: np.ndarray, velocities: np.ndarray | None = None, walls: tuple[Wall, ...] = TANK) -> Surface:
-    """As the grid makes it: brought to its volume, a surface would make up for what walls lack."""
+    """As the grid makes it: brought to its volume, a surface would make up for what walls lack. Spray, which walls keep
+    in front of them, has tests of its own."""
     still = np.zeros_like(points) if velocities is None else velocities
-    settings = SurfaceSpec(volume=False)
+    settings = SurfaceSpec(volume=False, spray=1)
     return reconstruct(points, still, ReconstructSpec(particle_radius=RADIUS, walls=walls, surface=settings))
 
 
