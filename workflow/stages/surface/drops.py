@@ -50,7 +50,7 @@ def spray(
     [m^3]."""
     share = SMALLER ** np.arange(count)
     share /= share.sum()
-    way = _directions(numbers, count) * SPREAD * spacing if count > 1 else np.zeros((len(centers), 1, 3))
+    way = _directions(numbers, count) * SPREAD * spacing
     way -= np.einsum("j,ijk->ik", share, way)[:, None]
     volumes = np.tile(share * spacing**3, len(centers))
     places, volumes = centers[:, None] + way, np.tile(share * spacing**3, (len(centers), 1))
@@ -59,15 +59,13 @@ def spray(
         lifted = np.maximum(LIFTED * radius - wall.distance(places), 0.0)
         places = places + lifted[..., None] * np.array(wall.normal)
     # the largest of each is as round as a lone ball, the others, which are many, as round as few pixels show
-    parts = [(balls(places[:, 0], velocities, volumes[:, 0], 1), len(centers), 1)]
-    if count > 1:
-        rest = (places[:, 1:].reshape(-1, 3), np.repeat(velocities, count - 1, axis=0), volumes[:, 1:].ravel())
-        parts.append((balls(*rest, 0), len(centers) * (count - 1), 0))
-    drop = np.repeat(
-        np.arange(volumes.size), np.concatenate([np.full(n, len(_unit_ball(level).vertices)) for _, n, level in parts])
+    largest = balls(places[:, 0], velocities, volumes[:, 0], 1)
+    others = balls(places[:, 1:].reshape(-1, 3), np.repeat(velocities, count - 1, axis=0), volumes[:, 1:].ravel(), 0)
+    vertices = np.repeat(
+        [len(_unit_ball(level).vertices) for level in (1, 0)], [len(centers), len(centers) * (count - 1)]
     )
-    first = parts[0][0]
-    return first + parts[1][0] if count > 1 else first, drop, np.concatenate([volumes[:, 0], volumes[:, 1:].ravel()])
+    drop = np.repeat(np.arange(volumes.size), vertices)
+    return largest + others, drop, np.concatenate([volumes[:, 0], volumes[:, 1:].ravel()])
 
 
 def balls(centers: np.ndarray, velocities: np.ndarray, volumes: np.ndarray, level: int) -> Surface:

@@ -15,6 +15,7 @@ from scipy.spatial import KDTree
 
 from sim.bodies.wall import Wall
 from sim.geometry.thinning import first_come
+from workflow.stages.surface.mesh import sums
 from workflow.stages.surface.spec import Layers
 
 NEXT = 1.5
@@ -83,11 +84,11 @@ def _layers(
     center, other, weight = _neighbours(points, some, tree, reach * spacing)
     way = points[other] - points[some[center]]
     total = np.bincount(center, weight, len(some))
-    mean = _sums(center, weight[:, None] * way, len(some)) / total[:, None]
+    mean = sums(center, weight[:, None] * way, len(some)) / total[:, None]
     off = way - mean[center]
     covariance = np.empty((len(some), 3, 3))
     for row in range(3):
-        covariance[:, row] = _sums(center, (weight * off[:, row])[:, None] * off, len(some)) / total[:, None]
+        covariance[:, row] = sums(center, (weight * off[:, row])[:, None] * off, len(some)) / total[:, None]
     variance, direction = np.linalg.eigh(covariance)
     thickness, width, length = np.sqrt(np.maximum(variance, 0.0)).T
     enough = np.bincount(center, minlength=len(some)) > LEAST
@@ -134,8 +135,3 @@ def _neighbours(
     order = np.lexsort((found["j"], found["i"]))
     center, other, length = found["i"][order], found["j"][order], found["v"][order]
     return center, other, 1.0 - (length / radius) ** 3
-
-
-def _sums(center: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
-    """Of the vectors of each center, shape [count, 3]."""
-    return np.stack([np.bincount(center, vectors[:, axis], count) for axis in range(3)], axis=1)

@@ -57,16 +57,24 @@ def area_normals(place: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Of vertices at `place` [m], the sum of the areas of their triangles as vectors out of the fluid, a third of each
     [m^2], shape [n, 3]: by how much a mesh grows as they move."""
     a, b, c = np.moveaxis(place[triangles].astype(np.float64), 1, 0)
-    area = np.cross(b - a, c - a) / 6.0
-    corners = triangles.ravel()
-    return np.stack([np.bincount(corners, np.repeat(area[:, axis], 3), len(place)) for axis in range(3)], axis=1)
+    return at_corners(np.cross(b - a, c - a) / 6.0, triangles, len(place))
 
 
-def unit_normals(surface: Surface) -> np.ndarray:
-    """Of the vertices of the mesh itself: those that it is drawn with may be smoother. Shape [n, 3]."""
-    area = area_normals(surface.vertices, surface.triangles)
+def unit_normals(surface: Surface, area: np.ndarray) -> np.ndarray:
+    """Of the vertices of the mesh itself, whose area normals are `area` [m^2]: those that it is drawn with may be
+    smoother. Shape [n, 3]."""
     size = np.linalg.norm(area, axis=1, keepdims=True)
     return np.where(size > 0, area / np.maximum(size, np.finfo(float).tiny), surface.normals)
+
+
+def at_corners(vectors: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+    """Sums of the vectors of triangles, shape [m, 3], at `count` vertices; shape [count, 3]."""
+    return sums(triangles.ravel(), np.repeat(vectors, 3, axis=0), count)
+
+
+def sums(index: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
+    """Of the vectors, shape [k, 3], with each index below `count`; shape [count, 3]."""
+    return np.stack([np.bincount(index, vectors[:, axis], count) for axis in range(3)], axis=1)
 
 
 class Smoothing:

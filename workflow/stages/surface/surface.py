@@ -11,11 +11,10 @@ from scipy.spatial import cKDTree
 from workflow.stages.surface.boundary import Boundary
 from workflow.stages.surface.drops import APART, alone, spray
 from workflow.stages.surface.layers import whole_layers
-from workflow.stages.surface.mesh import Surface, area_normals
+from workflow.stages.surface.mesh import Surface, area_normals, at_corners
 from workflow.stages.surface.solids import Solid
 from workflow.stages.surface.spec import ReconstructSpec
 from workflow.stages.surface.volume import right_drops, right_volume
-from workflow.stages.surface.walls import flush
 
 
 def reconstruct(
@@ -34,13 +33,14 @@ def reconstruct(
     if surface.layers.enabled:
         positions, velocities = whole_layers(positions, velocities, spacing, surface.layers, spec.walls)
     drops, lone = Surface.empty(), np.zeros(len(positions), bool)
+    walls_alone = Boundary.around(positions[:0], spec.walls, (), spacing)
     if surface.drops:
         lone = alone(positions, max(2 * surface.smoothing_length, APART) * spec.particle_radius)
         # What fills gaps in layers comes behind the particles, and has no volume of its own.
         own = np.flatnonzero(lone[:count])
         number = own if numbers is None else numbers[own]
         made = spray(positions[own], velocities[own], number, spacing, surface.spray, spec.walls)
-        drops = flush(made[0], spec.walls)
+        drops, cut = walls_alone.flush(made[0], positions[:0])
     held = np.arange(len(positions))[~lone] < count
     positions, velocities = positions[~lone], velocities[~lone]
     boundary = Boundary.around(positions, spec.walls, solids, spacing)
@@ -51,8 +51,7 @@ def reconstruct(
             found, on, positions[held], boundary.of(positions, held), surface.normals.smoothing_iterations
         )
         if lone.any():
-            around = Boundary.around(positions[:0], spec.walls, (), spacing)
-            drops = right_drops(drops, *made[1:], around)
+            drops = right_drops(drops, cut, *made[1:], walls_alone)
     return found + drops
 
 
@@ -111,8 +110,7 @@ def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) ->
     if not bad.any():
         return normals
     from_faces = area_normals(vertices, triangles)
-    around, corners = from_faces[triangles].sum(axis=1), triangles.ravel()
-    beside = np.stack([np.bincount(corners, np.repeat(around[:, axis], 3), len(vertices)) for axis in range(3)], axis=1)
+    beside = at_corners(from_faces[triangles].sum(axis=1), triangles, len(vertices))
     repaired = normals.copy()
     for candidate in (np.array([0.0, 1.0, 0.0]) + np.zeros(vertices.shape), beside, from_faces):
         length = np.linalg.norm(candidate, axis=1)

@@ -53,8 +53,10 @@ def right_volume(
     around, _ = boundary.continued((particles, np.zeros_like(particles)))
     smoothing = Smoothing(surface.triangles, len(surface.vertices))
     thin = smoothing.mean(_thinness(surface.vertices, around, boundary.spacing), ROUNDS)
-    found = _filled(surface, piece, wanted, np.where(on, 0.0, thin), boundary)
-    turned = np.where(on[:, None], 0.0, unit_normals(found) - unit_normals(surface))
+    area = area_normals(surface.vertices, surface.triangles)
+    found = _filled(surface, area, piece, wanted, np.where(on, 0.0, thin), boundary)
+    after = unit_normals(found, area_normals(found.vertices, found.triangles))
+    turned = np.where(on[:, None], 0.0, after - unit_normals(surface, area))
     normals = surface.normals + smoothing.mean(turned, rounds)
     length = np.linalg.norm(normals, axis=1)
     kept = on | (length == 0)
@@ -62,11 +64,9 @@ def right_volume(
     return replace(found, normals=np.where(kept[:, None], surface.normals, normals).astype(np.float32))
 
 
-def right_drops(drops: Surface, drop: np.ndarray, volumes: np.ndarray, boundary: Boundary) -> Surface:
-    """The surface of drops of `volumes` [m^3], of which walls have cut off some; `drop` of each vertex."""
-    if not len(volumes) or not boundary.walls:
-        return drops
-    _, on = boundary.flush(drops, np.empty((0, 3)))
+def right_drops(drops: Surface, on: np.ndarray, drop: np.ndarray, volumes: np.ndarray, boundary: Boundary) -> Surface:
+    """The surface of drops of `volumes` [m^3], of which walls have cut off some; which of its vertices are `on` these,
+    and the `drop` of each."""
     cut = np.zeros(len(volumes), bool)
     cut[drop[on]] = True
     if not cut.any():
@@ -76,15 +76,19 @@ def right_drops(drops: Surface, drop: np.ndarray, volumes: np.ndarray, boundary:
     part = Surface(drops.vertices[some], drops.normals[some], drops.velocities[some], triangles)
     thin = np.where(on[some], 0.0, 1.0)
     vertices = drops.vertices.copy()
-    vertices[some] = _filled(part, (np.cumsum(cut) - 1)[drop[some]], volumes[cut], thin, boundary).vertices
+    area = area_normals(part.vertices, part.triangles)
+    vertices[some] = _filled(part, area, (np.cumsum(cut) - 1)[drop[some]], volumes[cut], thin, boundary).vertices
     return replace(drops, vertices=vertices)
 
 
-def _filled(surface: Surface, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, boundary: Boundary) -> Surface:
-    """The surface, each piece of which has the volume wanted [m^3]: its vertices move by as much as each is thin, found
-    by secants, the first by the area that moves, within what is known to be too little and too much."""
-    place, normal, spacing = surface.vertices.astype(np.float64), unit_normals(surface), boundary.spacing
-    size = np.linalg.norm(area_normals(place, surface.triangles), axis=1)
+def _filled(
+    surface: Surface, area: np.ndarray, piece: np.ndarray, wanted: np.ndarray, thin: np.ndarray, boundary: Boundary
+) -> Surface:
+    """The surface, whose area normals are `area` [m^2], with each piece of the volume wanted [m^3]: vertices move by
+    as much as each is thin, found by secants, the first by the area that moves, within what is known to be too little
+    and too much."""
+    place, normal, spacing = surface.vertices.astype(np.float64), unit_normals(surface, area), boundary.spacing
+    size = np.linalg.norm(area, axis=1)
     height = boundary.heights(surface, normal, 2 * spacing)
     # less again above a film, as far as free surfaces two spacings from the wall
     film = np.where(height < spacing, SHARE * height, SHARE * spacing - FARTHEST * (height - spacing))
