@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from annotated_types import Le, Len
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from common.distribution import HOME
 from render.looks.spec import Colormap
 from render.spec import RenderSpec
 from render.texturing.spec import Imported, images_of
 from scene import assets
-from scene.diagnostics.problems import explain
+from scene.diagnostics.problems import validated
 from scene.diagnostics.suggestions import suggestion
 from scene.diagnostics.support import refuse_unsupported
 from scene.document import Document, SceneError, dotted
@@ -172,10 +172,7 @@ def name_of(path: Path) -> str:
 
 
 def _split(document: Document, path: Path, quality: str) -> Scene:
-    try:
-        whole = SceneFile.model_validate(document.data)
-    except ValidationError as error:
-        raise SceneError(explain(error, document, SceneFile)) from None
+    whole = validated(document, SceneFile)
     frames = whole.duration * whole.fps
     if not _whole(frames):
         message = f"{whole.duration:g} s at {whole.fps:g} frames a second are {frames:.9g} frames"

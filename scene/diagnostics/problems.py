@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import types
 import typing
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -14,12 +14,23 @@ from scene.diagnostics import slips
 from scene.diagnostics.levels import home, levels, misplaced
 from scene.diagnostics.suggestions import similar, suggestion
 from scene.diagnostics.wrong_values import BOUNDS, KINDS, LIST, reason, shown_as
-from scene.document import Document, Location, dotted
+from scene.document import Document, Location, SceneError, dotted
 
 ELSEWHERE = (
     "remove it; an installed Blender is named by --config blender=PATH with snakemake, --blender PATH with "
     "python -m render, or TIDEMILL_BLENDER=PATH"
 )
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validated(document: Document, model: type[Model]) -> Model:
+    """What a document says, as settings of a kind; raises SceneError, a text a problem."""
+    try:
+        return model.model_validate(document.data)
+    except ValidationError as error:
+        raise SceneError(explain(error, document, model)) from None
 
 
 def explain(error: ValidationError, document: Document, model: type[BaseModel]) -> list[str]:

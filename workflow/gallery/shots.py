@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 from annotated_types import Ge, Len
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from scene.diagnostics.problems import explain
+from scene.diagnostics.problems import validated
 from scene.presets import Quality
 from scene.reader import read
 from scene.settings import Settings
@@ -43,10 +43,4 @@ class Shots(Settings):
 
 def shots(root: Path) -> Shots:
     """Those of a checkout; raises SceneError for a file that cannot be used."""
-    from scene.document import SceneError
-
-    document = read(root / FOLDER / "shots.yaml")
-    try:
-        return Shots.model_validate(document.data)
-    except ValidationError as error:
-        raise SceneError(explain(error, document, Shots)) from None
+    return validated(read(root / FOLDER / "shots.yaml"), Shots)

@@ -9,10 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from scene import assets, grid
-from scene.diagnostics.problems import explain
+from scene.diagnostics.problems import validated
 from scene.document import Document, SceneError
 from scene.load import Scene, load
 from scene.reader import read
@@ -51,10 +49,7 @@ class LoadedStudy:
 def load_study(path: Path, name: str) -> LoadedStudy:
     """Load a study; raises SceneError, whose text names file, line, field and remedy of every problem."""
     document = read(path)
-    try:
-        study = Study.model_validate(document.data)
-    except ValidationError as error:
-        raise SceneError(explain(error, document, Study)) from None
+    study = validated(document, Study)
     try:
         _check(study, path.parent)
         trials = {trial.name: trial for trial in _trials(study, path.parent, document)}

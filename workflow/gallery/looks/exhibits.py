@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 from annotated_types import Len
-from pydantic import ValidationError, model_validator
+from pydantic import model_validator
 
-from scene.diagnostics.problems import explain
-from scene.document import SceneError
+from scene.diagnostics.problems import validated
 from scene.reader import read
 from scene.settings import Name, Settings
 
@@ -50,8 +49,4 @@ class Exhibits(Settings):
 
 def exhibits(root: Path) -> Exhibits:
     """Those of a checkout; raises SceneError for a file that cannot be used."""
-    document = read(root / "docs/gallery/looks.yaml")
-    try:
-        return Exhibits.model_validate(document.data)
-    except ValidationError as error:
-        raise SceneError(explain(error, document, Exhibits)) from None
+    return validated(read(root / "docs/gallery/looks.yaml"), Exhibits)
