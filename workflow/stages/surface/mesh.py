@@ -56,8 +56,12 @@ def volumes(place: np.ndarray, triangles: np.ndarray, piece: np.ndarray, count: 
 def area_normals(place: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Of vertices at `place` [m], the sum of the areas of their triangles as vectors out of the fluid, a third of each
     [m^2], shape [n, 3]: by how much a mesh grows as they move."""
-    a, b, c = np.moveaxis(place[triangles].astype(np.float64), 1, 0)
-    return at_corners(np.cross(b - a, c - a) / 6.0, triangles, len(place))
+    x, y, z = np.ascontiguousarray(place.T, np.float64)
+    a, b, c = triangles.T
+    ux, uy, uz = x[b] - x[a], y[b] - y[a], z[b] - z[a]
+    vx, vy, vz = x[c] - x[a], y[c] - y[a], z[c] - z[a]
+    normal = np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=1)
+    return at_corners(normal / 6.0, triangles, len(place))
 
 
 def unit_normals(surface: Surface, area: np.ndarray) -> np.ndarray:
@@ -69,7 +73,11 @@ def unit_normals(surface: Surface, area: np.ndarray) -> np.ndarray:
 
 def at_corners(vectors: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
     """Sums of the vectors of triangles, shape [m, 3], at `count` vertices; shape [count, 3]."""
-    return sums(triangles.ravel(), np.repeat(vectors, 3, axis=0), count)
+    return np.stack([_at_corners(vectors[:, axis], triangles, count) for axis in range(3)], axis=1)
+
+
+def _at_corners(values: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+    return sum((np.bincount(corner, values, count) for corner in triangles.T), np.zeros(count))
 
 
 def sums(index: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:

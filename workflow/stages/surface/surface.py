@@ -109,8 +109,11 @@ def _finite(normals: np.ndarray, vertices: np.ndarray, triangles: np.ndarray) ->
     bad = ~np.isfinite(normals).all(axis=1)
     if not bad.any():
         return normals
-    from_faces = area_normals(vertices, triangles)
-    beside = at_corners(from_faces[triangles].sum(axis=1), triangles, len(vertices))
+    near = triangles[bad[triangles].any(axis=1)]
+    linked = np.zeros(len(vertices), bool)
+    linked[near] = True
+    from_faces = area_normals(vertices, triangles[linked[triangles].any(axis=1)])
+    beside = at_corners(from_faces[near].sum(axis=1), near, len(vertices))
     repaired = normals.copy()
     for candidate in (np.array([0.0, 1.0, 0.0]) + np.zeros(vertices.shape), beside, from_faces):
         length = np.linalg.norm(candidate, axis=1)
