@@ -20,8 +20,9 @@ PRESETS: dict[str, dict[str, dict[str, Any]]] = {
         },
         "render": {
             "resolution": [480, 270],
-            "samples": 8,
+            "samples": 4,
             "noise_threshold": 0.05,
+            "denoise_quality": "balanced",
             "motion_blur": False,
         },
         "rigid": {"max_step": 0.008},

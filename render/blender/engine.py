@@ -38,7 +38,7 @@ def configure(settings: Any, threads: int | None, fps: float) -> tuple[Device, l
         scene.render.threads_mode, scene.render.threads = "FIXED", threads
     _light_paths(scene.cycles, settings)
     _passes(bpy.context.view_layer, settings.passes)
-    warnings = [*_denoise(scene.cycles, settings.denoise), *_colors(scene.view_settings, settings)]
+    warnings = [*_denoise(scene.cycles, settings), *_colors(scene.view_settings, settings)]
     return _device(scene, settings), warnings
 
 
@@ -86,13 +86,14 @@ def _light_paths(cycles: Any, settings: Any) -> None:
     cycles.sample_clamp_indirect = settings.firefly_clamp
 
 
-def _denoise(cycles: Any, wanted: bool) -> list[str]:
-    cycles.use_denoising = wanted
-    if not wanted:
+def _denoise(cycles: Any, settings: Any) -> list[str]:
+    cycles.use_denoising = settings.denoise
+    if not settings.denoise:
         return []
     try:
         cycles.denoiser = "OPENIMAGEDENOISE"
         cycles.denoising_input_passes = "RGB_ALBEDO_NORMAL"
+        versions.denoise_with(cycles, settings.denoise_quality)
     except TypeError:
         cycles.use_denoising = False
         return ["this Blender was built without Open Image Denoise: pictures keep their noise; use more samples"]

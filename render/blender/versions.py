@@ -128,3 +128,10 @@ def denoise_on_gpu(cycles: Any) -> None:
     """Denoise where the picture was rendered; before 4.1, that was the CPU alone."""
     if hasattr(cycles, "denoising_use_gpu"):
         cycles.denoising_use_gpu = True
+
+
+def denoise_with(cycles: Any, quality: str) -> None:
+    """Take more or less time for denoising: `high`, `balanced` or `fast`; before 4.2, there is one network."""
+    if hasattr(cycles, "denoising_quality"):
+        cycles.denoising_quality = quality.upper()
+        cycles.denoising_prefilter = "FAST" if quality == "fast" else "ACCURATE"

@@ -63,6 +63,15 @@ def test_noise_hangs_still_unless_its_seed_is_animated(wall, tmp_path):
     assert np.abs(moving[0] - moving[1]).max() > 5
 
 
+def test_denoising_of_each_quality_takes_noise_away(wall, tmp_path):
+    noisy = {"noise_threshold": 0, "lights": {"sun": {"angle": 90}}, "frames": "0:0"}
+    ways = {"none": {"denoise": False}} | {name: {"denoise_quality": name} for name in ("high", "balanced", "fast")}
+    found = {name: render(wall, tmp_path / name, **noisy, **way)[0] for name, way in ways.items()}
+    grain = {name: np.abs(np.diff(picture, axis=1)).mean() for name, picture in found.items()}
+    assert max(grain[name] for name in ("high", "balanced", "fast")) < grain["none"] / 2
+    assert (found["high"] != found["fast"]).any()
+
+
 def test_any_input_of_the_principled_shader_can_be_set(wall, tmp_path):
     look = {"type": "plastic", "color": "#000000"}
     glow = look | {"principled": {"Emission Color": "#ff0000", "Emission Strength": 5}}
