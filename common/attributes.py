@@ -2,8 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from collections.abc import Iterable, Iterator
+from typing import Literal
 
-Attribute = Literal["speed", "vorticity", "density"]
-ATTRIBUTES: tuple[Attribute, ...] = get_args(Attribute)
-UNITS: dict[Attribute, str] = {"speed": "m/s", "vorticity": "s^-1", "density": "kg/m^3"}
+Attribute = Literal["speed", "vorticity", "density", "age", "source"]
+Number = Literal["speed", "vorticity", "density", "age"]
+UNITS: dict[Number, str] = {"speed": "m/s", "vorticity": "s^-1", "density": "kg/m^3", "age": "s"}
+"""Of those that are one number."""
+SHARE = "source_"
+"""How the columns of `source` begin: one for each fluid body and emitter, as `source_tap`, its share of the fluid."""
+
+
+def columns_of(names: Iterable[Attribute], sources: Iterable[str]) -> Iterator[str]:
+    """The columns that vertices have for attributes, in their order, where fluid comes from `sources`."""
+    for name in names:
+        if name == "source":
+            yield from (f"{SHARE}{source}" for source in sources)
+        else:
+            yield name
+
+
+def attributes_among(columns: Iterable[str]) -> list[str]:
+    """Those of some columns that say something of the fluid."""
+    return [name for name in columns if name in UNITS or name.startswith(SHARE)]

@@ -1,15 +1,21 @@
-"""What a simulation leaves in its folder: which frames, and `bodies.csv`, the table of its rigid bodies."""
+"""What a simulation leaves in its folder: which frames, `bodies.csv`, the table of its rigid bodies, and `sources.csv`,
+when its particles came, and from where."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Container
+import math
+from bisect import bisect_right
+from collections.abc import Container, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+SOURCES = "sources.csv"
+
 
 class BadTable(Exception):
-    """A `bodies.csv` that is not the table that a simulation writes."""
+    """A `bodies.csv` or `sources.csv` that is not the table that a simulation writes."""
 
 
 class BodyState(NamedTuple):
@@ -74,6 +80,43 @@ class BodyTable:
 
 
 _COLUMNS = (("x", "y", "z"), ("qw", "qx", "qy", "qz"), ("vx", "vy", "vz"), ("wx", "wy", "wz"))
+
+
+@dataclass(frozen=True)
+class Sources:
+    """When particles came, and from where, by rows of `sources.csv`: each is about those from an identity on, up to the
+    next row's."""
+
+    first: tuple[int, ...]
+    """Identities, ascending."""
+    time: tuple[float, ...]
+    """[s]"""
+    index: tuple[int, ...]
+    """Into `names`."""
+    names: tuple[str, ...]
+    """Of fluid bodies and emitters, in the order of their first rows."""
+
+    def rows(self, ids: Iterable[int]) -> list[int]:
+        """The row of each of some particles; raises BadTable where one has none."""
+        found = [bisect_right(self.first, number) - 1 for number in ids]
+        if found and min(found) < 0:
+            raise BadTable(f"{SOURCES} is not about all particles")
+        return found
+
+
+def read_sources(folder: Path) -> Sources:
+    """Those of a folder; raises OSError where they cannot be read, and BadTable for something else."""
+    path = folder / SOURCES
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            table = [(int(row["id"]), float(row["time"]), row["source"]) for row in csv.DictReader(file)]
+        first, time, source = zip(*table, strict=True) if table else ((), (), ())
+        if list(first) != sorted(set(first)) or not all(map(math.isfinite, time)):
+            raise ValueError("rows are not in order")
+    except (ValueError, KeyError, TypeError, csv.Error) as error:
+        raise BadTable(f"{path} is not a table of the sources of particles: {error!r}") from error
+    names = {name: index for index, name in enumerate(dict.fromkeys(source))}
+    return Sources(first, time, tuple(names[name] for name in source), tuple(names))
 
 
 def frames_of_files(folder: Path) -> set[int]:

@@ -17,6 +17,7 @@ from common.files import write_json
 from common.manifest import spoiled
 from common.registry import added, packages
 from common.signals import at_once
+from common.simulation_files import SOURCES
 from render import program
 from render.errors import RenderError, Unusable
 from render.job import FORMATS, Job
@@ -80,6 +81,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         save_blend=os.path.abspath(options.save_blend) if options.save_blend else None,
         export=_export_path(options.export),
         particles=options.particles,
+        voxel=options.voxel,
     )
     with Progress(len(job.frames())) as progress:
         blender = options.blender or program.chosen()
@@ -121,7 +123,7 @@ def _with_builders(settings: Any) -> Any:
 def _refuse_spoiled(options: argparse.Namespace) -> None:
     """Refuse files of earlier stages that are no longer what they were made as."""
     read = {
-        options.simulation: ("cloth_", "body_", "container_", "bodies.csv", "summary.json"),
+        options.simulation: ("cloth_", "body_", "container_", "bodies.csv", SOURCES, "summary.json"),
         options.surface: ("surface_",),
         options.foam: ("foam_",),
     }
@@ -189,13 +191,17 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--export",
         metavar="FILE",
-        help="write the animation to this file instead of pictures: .usdc, .usda, .abc, .glb or .blend",
+        help="write the animation to this file instead of pictures: .usdc, .usda, .abc, .glb or .blend; or, "
+        "as .vdb, a volume a frame beside it",
     )
     parser.add_argument(
         "--particles",
         type=positive(float),
         metavar="RADIUS",
         help="let the exported file have the fluid's particles too, as points of this radius [m]",
+    )
+    parser.add_argument(
+        "--voxel", type=positive(float), metavar="EDGE", help="of a .vdb [m] (default: the spacing of the particles)"
     )
     parser.add_argument(
         "--blender",

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-FORMATS = (".usd", ".usda", ".usdc", ".abc", ".blend", ".glb")
-"""Kinds of files of a whole animation."""
+FORMATS = (".usd", ".usda", ".usdc", ".abc", ".blend", ".glb", ".vdb")
+"""Kinds of files of a whole animation; of the last, one a frame."""
 Report = Callable[[dict[str, Any]], None]
 """Takes what happened: `{"frame": 42, "wall_s": 3.1}` after each frame."""
 
@@ -38,6 +38,8 @@ class Job:
     """Instead of pictures: a file of the animation, of one of the FORMATS."""
     particles: float | None = None
     """Radius of the fluid's particles [m], if the file is to have them as points."""
+    voxel: float | None = None
+    """Edge of a cell of a volume [m]; without it, the spacing of the particles."""
 
     def frames(self) -> range:
         """Numbers of the frames to be rendered."""

@@ -12,7 +12,7 @@ from annotated_types import Le, Len
 from pydantic import Field
 
 from common.distribution import HOME
-from render.looks.spec import Colormap
+from render.looks.spec import Colormap, Palette
 from render.spec import RenderSpec
 from render.texturing.spec import Imported, images_of
 from scene import assets
@@ -223,7 +223,7 @@ def _check_across_stages(scene: Scene) -> None:
         raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
     if scene.render.background.type == "transparent":
         scene.film.refuse_opaque()
-    _check_colormaps(scene)
+    _check_attributes(scene)
     for name in scene.render.named_bodies():
         location = ("render", "materials", name)
         if name in LOOKS and name not in found:
@@ -254,20 +254,38 @@ def _check_images(name: str, look: Any, item: Named) -> None:
         raise Refused(message, location=("render", "materials", name, *where), remedy=remedy)
 
 
-def _check_colormaps(scene: Scene) -> None:
+def _check_attributes(scene: Scene) -> None:
     """Colours come from attributes that the surface of the water has, if it is asked for them."""
+    asked = scene.surface.attributes
+    if asked and scene.simulation.fluid is None:
+        message = "the scene has no fluid, whose surface could say something"
+        raise Refused(message, location=("surface", "attributes"), remedy="remove it, or add a fluid")
     for path, look in scene.render.looks().items():
-        if not isinstance(look, Colormap):
+        if not isinstance(look, Colormap | Palette):
             continue
         location = ("render", *path)
         if path != ("water",):
-            message = "only the surface of the water has attributes that a colormap shows"
+            message = f"only the surface of the water has attributes that a {look.type} shows"
             raise Refused(message, location=location, remedy="give it as render.water, or use another look here")
-        asked = scene.surface.attributes
-        if look.attribute not in asked:
-            message = f"the surface has no '{look.attribute}', since surface.attributes does not name it"
-            remedy = f"give surface: {{attributes: [{', '.join((*asked, look.attribute))}]}}"
-            raise Refused(message, location=(*location, "attribute"), remedy=remedy)
+        key, shown = ("attribute", look.attribute) if isinstance(look, Colormap) else ("type", "source")
+        if shown not in asked:
+            message = f"the surface has no '{shown}', since surface.attributes does not name it"
+            remedy = f"give surface: {{attributes: [{', '.join((*asked, shown))}]}}"
+            raise Refused(message, location=(*location, key), remedy=remedy)
+        if isinstance(look, Palette):
+            _check_palette(look, scene.simulation.fluid_sources(), (*location, "colors"))
+
+
+def _check_palette(look: Palette, sources: Sequence[str], location: tuple[str | int, ...]) -> None:
+    """Each source has its colour, and nothing else has one."""
+    for name in look.colors:
+        if name not in sources:
+            message = f"there is no fluid body or emitter named '{name}'"
+            raise Refused(message, location=(*location, name), remedy=suggestion(name, sources))
+    missing = [name for name in sources if name not in look.colors]
+    if missing:
+        remedy = f"give {missing[0]}: '#48abc9', or another colour"
+        raise Refused(f"'{missing[0]}' has no colour, and fluid comes from it", location=location, remedy=remedy)
 
 
 def _check_writes(scene: Scene, root: Path) -> None:

@@ -155,6 +155,13 @@ class SimulationSpec(Settings):
             names += event.add.names()
         return names
 
+    def fluid_sources(self) -> tuple[str, ...]:
+        """Names of all that fluid comes from: its bodies and emitters, of the start and of the events."""
+        names = [*self.fluid.bodies, *self.fluid.emitters] if self.fluid else []
+        for event in self.events:
+            names += [*event.add.fluid, *event.add.emitters]
+        return tuple(dict.fromkeys(names))
+
     def has_dynamic_bodies(self) -> bool:
         """Whether any body obeys forces, at any time."""
         groups = [self.rigid.bodies] if self.rigid else []

@@ -16,7 +16,7 @@ import numpy as np
 
 from common.distribution import HOME, environment
 from common.files import write_json
-from common.ply import columns, write_surface
+from common.ply import write_surface
 from common.simulation_files import BodyTable
 from scene.document import SceneError
 from scene.load import Scene
@@ -100,22 +100,28 @@ def reconstruct(scene: Scene, frame: Frame, threads: int = 1) -> Surface:
 
     if scene.simulation.fluid is None:
         raise Refused(f"{scene.name} has no fluid, so no surface", remedy="render it without")
-    spec = ReconstructSpec.model_validate_json(Plan(scene, HOME).job("reconstruct").spec)
+    spec = _surface_spec(scene)
     solids = Bodies([frame.folder]).solids(frame.number, spec.vessels) if spec.surface.walls else []
     numbers = None if frame.fluid is None else frame.fluid["id"]
     return surface(frame.positions, frame.velocities, spec, numbers=numbers, solids=solids, threads=threads)
 
 
+def _surface_spec(scene: Scene) -> ReconstructSpec:
+    return ReconstructSpec.model_validate_json(Plan(scene, HOME).job("reconstruct").spec)
+
+
 def _attributes(scene: Scene, frame: Frame, surface: Surface) -> dict[str, np.ndarray]:
     """What the scene lets the vertices of a surface say of the fluid."""
     from workflow.stages.surface.attributes import sampled
+    from workflow.stages.surface.known import Known
 
-    fluid = scene.simulation.fluid
-    if fluid is None or frame.fluid is None:
+    if frame.fluid is None:
         return {}
-    density = columns(frame.fluid, ("density",))[:, 0]
-    spacing = 2 * fluid.particle_radius
-    return sampled(scene.surface.attributes, surface.vertices, frame.positions, frame.velocities, density, spacing)
+    spec = _surface_spec(scene)
+    of_particles = Known.of(spec, frame.folder)
+    known = of_particles.columns(frame.fluid, frame.number)
+    moving = surface.vertices, frame.positions, frame.velocities
+    return sampled(of_particles.names, *moving, known, 2 * spec.particle_radius)
 
 
 def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None = None) -> Path:

@@ -5,6 +5,7 @@
     python -m workflow.export bunny --out bunny.glb --frames 48:48
     python -m workflow.export bunny --out bunny.blend --blender /usr/bin/blender
     python -m workflow.export bunny --out water.usdc --spec '{"surface": false, "particles": true}' --simulation out
+    python -m workflow.export bunny --out bunny.vdb --spec '{"voxel": "2 cm"}'
     python -m workflow.export bunny --out bunny.csv --spec '{"columns": ["x", "y"]}'
 
 It reads what the stages left in results/, so that nothing is made anew for it; or what `python -m sim run` left. The
@@ -16,6 +17,11 @@ files and no scripts. Foam is points with widths, and so are the fluid's particl
 
     surface     the surface of the water (default true); without it, a run without its film will do
     particles   the particles of the fluid (default false)
+
+OpenVDB has one file a frame, bunny_00042.vdb, with the grids density, velocity, age, a share for each source, and foam;
+of it --spec may ask:
+
+    voxel       edge of a cell [m] (default: the spacing of the particles)
 
 Lengths are metres, and y is up, but in a .blend. Only a .blend has all of the materials, lights and surroundings; in
 USD and glTF, water is a clear material with its index of refraction, and Alembic has no materials. Older Blenders open
@@ -38,6 +44,7 @@ from common.command import as_called, end_with
 from common.distribution import HOME
 from common.frames import Frames
 from common.registry import load as implementation
+from common.simulation_files import SOURCES
 from render import program
 from scene.diagnostics.suggestions import suggestion
 from scene.document import SceneError
@@ -68,6 +75,10 @@ def gather(parts: Sequence[Path], folder: Path) -> Path:
                 link.symlink_to(file.resolve())
     for name in tables.TABLES:
         tables.concatenate([part / name for part in parts], folder / name)
+    if (parts[-1] / SOURCES).exists():
+        # The last part has what all others have, too.
+        (folder / SOURCES).unlink()
+        (folder / SOURCES).symlink_to((parts[-1] / SOURCES).resolve())
     return folder
 
 
@@ -138,7 +149,7 @@ def main(arguments: list[str] | None = None, called: str = COMMAND) -> int:
         print(f"export: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
         return FAILED
     if status == 0:
-        print(options.out)
+        print(options.out if options.out.exists() else options.out.with_stem(f"{options.out.stem}_*"))
     return status
 
 

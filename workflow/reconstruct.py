@@ -9,7 +9,8 @@ rest_density [kg/m^3], walls (each with normal and offset [m]) and vessels (name
 that the surface ends flush with, as it does with the bodies of the simulation, and `surface`, the
 section of that name of a scene. The meshes carry normals (nx ny nz) and the fluid's velocity
 (vx vy vz), and open in MeshLab, ParaView and Blender; `surface: {attributes: [speed]}` adds what it
-names. A frame without particles gives a mesh without vertices.
+names. For `age` give fps, too; of `source`, a list of sources (names of fluid bodies and emitters)
+says which there are. A frame without particles gives a mesh without vertices.
 
 exit codes: 0 done, 1 failed, 2 refused (settings or files cannot be used as they are)
 """
@@ -46,12 +47,13 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
         from common.ply import BadPly, columns, read_points, write_surface
         from workflow.stages.bodies import Bodies
         from workflow.stages.surface.attributes import sampled
+        from workflow.stages.surface.known import Known
         from workflow.stages.surface.surface import reconstruct
-    names = spec.surface.attributes
     out.mkdir(parents=True, exist_ok=True)
     with watch.phase("load"):
         stage.refuse_spoiled([simulation], "fluid_", frames=frames)
         bodies = Bodies([simulation] if spec.surface.walls else [])
+        of_particles = Known.of(spec, simulation)
     rows = []
     for frame in frames:
         with watch.phase("load"):
@@ -59,7 +61,7 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
             try:
                 particles = read_points(path)
                 positions, velocities = columns(particles, "xyz"), columns(particles, ("vx", "vy", "vz"))
-                density = columns(particles, ("density",))[:, 0] if "density" in names else positions[:, 0]
+                known = of_particles.columns(particles, frame)
             except FileNotFoundError:
                 remedy = f"simulate the frames {frames} first"
                 raise Refused(f"{path} is missing", remedy=remedy) from None
@@ -75,7 +77,8 @@ def run(spec: ReconstructSpec, simulation: Path, frames: Frames, out: Path, *, t
             numbers = particles["id"] if "id" in particles.dtype.names else None
             surface = reconstruct(positions, velocities, spec, numbers=numbers, solids=solids, threads=threads)
         with watch.phase("attributes"):
-            found = sampled(names, surface.vertices, positions, velocities, density, 2 * spec.particle_radius)
+            particles_here = positions, velocities, known
+            found = sampled(of_particles.names, surface.vertices, *particles_here, 2 * spec.particle_radius)
         with watch.phase("write"):
             write = functools.partial(write_surface, **vars(surface), attributes=found)
             write_whole(out / f"surface_{frame:05d}.ply", write)

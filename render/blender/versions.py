@@ -6,8 +6,12 @@ can be, this asks whether Blender has a thing, not for its number.
 
 from __future__ import annotations
 
+import importlib
 import math
+import sys
 from array import array
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
 from typing import Any
 
 from render.blender.session import bpy
@@ -23,6 +27,27 @@ OLD_NAMES = {
     "Factor": "Fac",
 }
 """Inputs of nodes, and what they were called before: those of the Principled BSDF until 3.6, the last until 4.5."""
+
+
+def openvdb() -> Any:
+    """Python's module of OpenVDB, which was called pyopenvdb until 4.3; None without it, or without its NumPy.
+
+    The package bpy keeps it where only Blender's own Python would find it.
+    """
+    for name in ("openvdb", "pyopenvdb"):
+        try:
+            importlib.import_module("numpy")
+            return importlib.import_module(name)
+        except ImportError:
+            pass
+    for file in Path(bpy.utils.resource_path("LOCAL")).glob("python/lib/python*/site-packages/openvdb.*.so"):
+        spec = spec_from_file_location("openvdb", file)
+        if spec is not None and spec.loader is not None:
+            module = module_from_spec(spec)
+            spec.loader.exec_module(module)
+            sys.modules["openvdb"] = module
+            return module
+    return None
 
 
 def input_named(node: Any, name: str) -> Any:

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from common.attributes import ATTRIBUTES
+from common.attributes import attributes_among
 from render.blender import versions
 from render.blender.session import bpy
 from render.content.changing.foam import RADIUS
@@ -36,7 +36,7 @@ def write_gltf(frames: Frames, path: Path) -> None:
         for name, mesh in scene.read_meshes(frame).items():
             if mesh is not None and len(mesh.triangles) > 0:
                 thing = scene.moving()[name].copy(mesh, f"{name}_{frame:05d}")
-                _underscore(thing.data, ATTRIBUTES)
+                _underscore(thing.data, attributes_among(mesh.columns))
                 _show(thing, frame, frames.numbers)
         for cloud in frames.clouds:
             points = cloud.read(frame)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from common.attributes import ATTRIBUTES
+from common.attributes import attributes_among
 from render.blender.session import bpy
 from render.content.ply import TriangleMesh
 from render.export.clouds import Cloud
@@ -96,6 +96,6 @@ def _nothing(name: str, source: TriangleMesh | None) -> Any:
     if source is not None:
         if source.has("vx", "vy", "vz"):
             mesh.attributes.new("velocity", "FLOAT_VECTOR", "POINT")
-        for attribute in filter(source.has, ATTRIBUTES):
+        for attribute in attributes_among(source.columns):
             mesh.attributes.new(attribute, "FLOAT", "POINT")
     return mesh

@@ -30,6 +30,7 @@ LOOKS = {
     "planks": "render.looks.patterned.planks:build",
     "tiles": "render.looks.patterned.tiles:build",
     "colormap": "render.looks.colormap:build",
+    "palette": "render.looks.palette:build",
     "imported": "render.looks.imported:build",
 }
 """By the type that they have in a scene."""

@@ -69,6 +69,12 @@ def _colormap(graph: Graph, look: Any, size: float, transmits: bool) -> tuple[An
     return graph.node("BsdfPrincipled", {"Base Color": color, "Roughness": look.roughness}).outputs[0], None
 
 
+def _palette(graph: Graph, look: Any, size: float, transmits: bool) -> tuple[Any, Any]:
+    colors = [rgba(color) for color in vars(look.colors).values()]
+    mean = tuple(sum(channel) / len(colors) for channel in zip(*colors, strict=True))
+    return graph.node("BsdfPrincipled", {"Base Color": mean, "Roughness": look.roughness}).outputs[0], None
+
+
 PATTERNED = ("stone", "wood", "paper", "ceramic", "lemon", "planks", "tiles")
 """Looks that have the one colour of their settings in files: Blender's exporters leave out colours that nodes make."""
 SIMPLE = dict.fromkeys(PATTERNED, _even) | {
@@ -77,5 +83,6 @@ SIMPLE = dict.fromkeys(PATTERNED, _even) | {
     "matte": _matte,
     "cloth": _cloth,
     "colormap": _colormap,
+    "palette": _palette,
 }
 """By the type that they have in a scene."""

@@ -10,12 +10,12 @@ from annotated_types import Ge, Le
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import core_schema
 
-from common.attributes import UNITS, Attribute
+from common.attributes import UNITS, Number
 from common.registry import added
 from render.color import Color, srgb
 from render.texturing.spec import Fraction, Imported, Rough, Textured
 from scene.diagnostics.suggestions import suggestion
-from scene.settings import Settings, type_names
+from scene.settings import Name, Settings, type_names
 from scene.units import Dimensionless, Length, PositiveLength, Unit
 
 SizeOrNone = Annotated[Length, Ge(0)]
@@ -269,16 +269,23 @@ class Colormap(Principled):
     """False colours of what the surface of the water says of the fluid; only for `render.water`."""
 
     type: Literal["colormap"]
-    attribute: Attribute = "speed"
-    """One that `surface.attributes` names."""
+    attribute: Number = "speed"
+    """One that `surface.attributes` names; `source` is no number, see `palette`."""
     low: Annotated[float, Measured()] = 0.0
-    """Value of the first colour; what is lower has it too. As a number in m/s, 1/s or kg/m^3, or as `0.5 m/s`."""
+    """Value of the first colour; what is lower has it too. As a number in m/s, 1/s, kg/m^3 or s, or as `0.5 m/s`."""
     high: Annotated[float, Measured()]
     """Value of the last colour; what is higher has it too."""
     map: Literal["viridis", "inferno", "coolwarm"] = "viridis"
     """`viridis` and `inferno` grow brighter; `coolwarm` is grey in the middle."""
     roughness: Fraction = 0.4
     """0 is a mirror-smooth surface."""
+
+    @field_validator("attribute", mode="before")
+    @classmethod
+    def _is_a_number(cls, name: Any) -> Any:
+        if name == "source":
+            raise ValueError("source is no number: give {type: palette, colors: ...}, with a colour for each source")
+        return name
 
     @model_validator(mode="after")
     def _low_is_lower(self) -> Self:
@@ -287,11 +294,22 @@ class Colormap(Principled):
         return self
 
 
+class Palette(Principled):
+    """A colour for each fluid body and emitter, which mix where their fluids do; only for `render.water`, with `source`
+    among `surface.attributes`."""
+
+    type: Literal["palette"]
+    colors: dict[Name, Color]
+    """Of all fluid bodies and emitters, of the start and of events, by their names."""
+    roughness: Fraction = 0.2
+    """0 is a mirror-smooth surface."""
+
+
 OF_SHEETS = ("back", "thickness", "weave", "hem")
 """Settings that looks have for sheets alone."""
 OWN = (
     *(Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles),
-    *(Colormap, Imported),
+    *(Colormap, Palette, Imported),
 )
 LOOKS = (*OWN, *added("looks", *type_names(*OWN)).values())
 """Those of Tidemill, and what installed packages add."""

@@ -20,10 +20,11 @@ from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.cloth.fabric.state import ClothState
+    from sim.fluid.births import Births
     from sim.fluid.model import FluidState
     from sim.rigid.body import RigidState
 
-FORMAT = 5
+FORMAT = 6
 UNREADABLE = (
     *(OSError, ValueError, KeyError, TypeError, EOFError, NotImplementedError, RuntimeError, SyntaxError),
     *(zipfile.BadZipFile, zlib.error, RecursionError, MemoryError),
@@ -46,7 +47,8 @@ class Clock:
 
 @dataclass
 class Checkpoint:
-    """A clock, the counts so far, the next times of the probes, what emitters have sent, particles, bodies, cloth."""
+    """A clock, the counts so far, the next times of the probes, what emitters have sent, particles and
+    their births, bodies, cloth."""
 
     clock: Clock
     counts: dict[str, int]
@@ -55,6 +57,7 @@ class Checkpoint:
     emission: dict[str, Any]
     origin: np.ndarray
     fluid: FluidState | None
+    births: Births | None = None
     rigid: RigidState | None = None
     cloth: ClothState | None = None
     one_thread: bool = False
@@ -67,7 +70,7 @@ class Checkpoint:
 
     def _arrays(self) -> dict[str, np.ndarray]:
         """What the materials hold, by the name that it has in the file."""
-        materials = {"fluid": self.fluid, "rigid": self.rigid, "cloth": self.cloth}
+        materials = {"fluid": self.fluid, "births": self.births, "rigid": self.rigid, "cloth": self.cloth}
         return {
             f"{material}.{name}": values
             for material, state in materials.items()
@@ -87,6 +90,8 @@ class Checkpoint:
             "layout": _layout(spec),
             "one_thread": self.one_thread,
         }
+        if self.births is not None:
+            meta["sources"] = self.births.names
         if self.rigid is not None:
             meta["dynamic_bodies"] = self.rigid.names
         if self.cloth is not None:
@@ -106,12 +111,18 @@ class Checkpoint:
                 remedy="resume with the settings it was made with, or start at frame 0",
             )
         _refuse_counts(path, head)
-        fluid = rigid = cloth = None
+        fluid = births = rigid = cloth = None
         if spec.fluid is not None:
+            from sim.fluid.births import Births
             from sim.fluid.model import FluidState
 
             fluid = FluidState(**_material(path, arrays, "fluid", FluidState()))
             _refuse_lengths(path, {len(values) for values in vars(fluid).values()})
+            births = Births(head.sources, **_material(path, arrays, "births", Births()))
+            _refuse_lengths(path, {len(births.first), len(births.time), len(births.source)})
+            fault = births.fault(fluid.tag)
+            if fault:
+                raise _damaged(path, fault)
         if head.dynamic_bodies is not None:
             from sim.rigid.body import RigidState
 
@@ -133,7 +144,8 @@ class Checkpoint:
         if origin is None or origin.shape != (3,) or origin.dtype != np.float64 or not np.isfinite(origin).all():
             raise _damaged(path, "origin is missing or of another kind")
         means = {name: Gathered(**values.model_dump()) for name, values in head.probe_means.items()}
-        return cls(clock, head.counts, head.probe_times, means, emission, origin, fluid, rigid, cloth, head.one_thread)
+        told = clock, head.counts, head.probe_times, means, emission
+        return cls(*told, origin, fluid, births, rigid, cloth, head.one_thread)
 
 
 def state_name(frame: int) -> str:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from sim.bodies.obstacles import Obstacles
     from sim.cloth.model import ClothModel
     from sim.coupling.fluid_cloth.sheet_samples import SheetSamples
+    from sim.fluid.births import Births
     from sim.fluid.inflow.flow import Flow
     from sim.fluid.model import FluidModel, FluidState
     from sim.rigid.body import RigidState
@@ -79,9 +80,14 @@ def build_fluid(placed: PlacedScene, state: FluidState, sheets: Callable[[float]
 
 
 def build_flow(
-    placed: PlacedScene, fluid: FluidModel, emission: dict[str, Any], counts: Counts, warn: Callable[[str], None]
+    placed: PlacedScene,
+    fluid: FluidModel,
+    emission: dict[str, Any],
+    counts: Counts,
+    births: Births,
+    warn: Callable[[str], None],
 ) -> Flow:
-    """Emitters and drains; `emission` is what emitters remember, they count in `counts`."""
+    """Emitters and drains; `emission` is what emitters remember, they count in `counts` and add to `births`."""
     from sim.coupling.fluid_solids import allowed
     from sim.fluid.inflow.flow import Flow, Ledger
     from sim.fluid.seeding.seed import START_CLEARANCE
@@ -95,6 +101,7 @@ def build_flow(
         placed.sinks,
         Ledger(emission),
         counts,
+        births,
         lambda points, time: allowed(moving, points, clearance, time),
         warn,
     )

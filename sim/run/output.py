@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from common.ply import FLUID_POINT, write_mesh, write_points
+from common.simulation_files import SOURCES
 from scene.settings import given
 from sim.cloth.spec import Cloth
 from sim.run.probes.sampling import COLUMNS as PROBE_COLUMNS
-from sim.run.table import Table
+from sim.run.table import Table, write_table
 from sim.spec import SimulationSpec
 
 if TYPE_CHECKING:
     from sim.bodies.obstacles import Obstacle
+    from sim.fluid.births import Births
     from sim.fluid.measure import Measure
     from sim.run.world import World
 
@@ -31,6 +33,7 @@ FLUID_COLUMNS = (
     "potential_energy",
 )
 RIGID_COLUMNS = ("rigid_kinetic_energy", "rigid_potential_energy")
+SOURCE_COLUMNS = ("id", "time", "source")
 CLOTH_COLUMNS = ("cloth_kinetic_energy", "cloth_potential_energy", "cloth_elastic_energy", "cloth_stretch")
 
 
@@ -52,6 +55,8 @@ class Output:
         )
         self.probes = Table(folder / "probes.csv", PROBE_COLUMNS, until) if spec.probes else None
         self._meshes: set[str] = set()
+        self._told = -1
+        """Births in sources.csv, of this run."""
 
     def _fluid_columns(self, spec: SimulationSpec) -> tuple[str, ...]:
         if spec.fluid is None:
@@ -143,6 +148,7 @@ class Output:
 
     def _frame(self, files: dict[str, Path], frame: int, time: float, world: World) -> None:
         if world.fluid is not None:
+            self._sources(given(world.births))
             write_points(files["fluid"], fluid_points(world))
         for sheet in world.sheets:
             vertices, velocities = given(world.cloth).vertices(sheet.name)
@@ -174,6 +180,15 @@ class Output:
 
     def _tables(self) -> list[Table]:
         return [self.bodies, self.steps] + ([self.probes] if self.probes else [])
+
+    def _sources(self, births: Births) -> None:
+        """Write all births anew, also those of the run that this one goes on from: each part of a film has its own."""
+        count = len(births.first)
+        if count != self._told:
+            rows = zip(births.first.tolist(), births.time.tolist(), births.source.tolist(), strict=True)
+            named = ((first, time, births.names[source]) for first, time, source in rows)
+            write_table(self.folder / SOURCES, SOURCE_COLUMNS, named)
+            self._told = count
 
     def _mesh(self, name: str, kind: str, item: Obstacle) -> None:
         if name not in self._meshes:

@@ -57,6 +57,7 @@ class Head(Settings):
     probe_times: dict[str, Time]
     probe_means: dict[str, GatheredHead] = {}
     emission: EmissionHead = EmissionHead()
+    sources: tuple[str, ...] = ()
     layout: dict[str, Any]
     one_thread: Annotated[bool, Strict()] = False
     dynamic_bodies: tuple[str, ...] | None = None

@@ -26,6 +26,7 @@ from sim.run.world import World
 from sim.spec import Event, SimulationSpec
 
 if TYPE_CHECKING:
+    from sim.fluid.births import Births
     from sim.fluid.measure import Measure
     from sim.fluid.model import FluidState
 
@@ -58,6 +59,7 @@ class Run:
         """Whether the scene is so small that it takes a single thread."""
         self.clock = Clock()
         self.counts = Counts()
+        self.births: Births | None = None
         self.probes = Probes(spec)
         self.stopwatch = Stopwatch(compile=compilation.seconds)
         self.measure: Measure | None = None
@@ -77,8 +79,10 @@ class Run:
         """Make the particles of the start."""
         state = None
         if self.spec.fluid is not None:
+            from sim.fluid.births import Births
             from sim.fluid.model import FluidState
 
+            self.births = Births()
             self.world.untangle(0.0)
             with self.stopwatch.phase("build"):
                 state = self._pour(FluidState(), list(self.spec.fluid.bodies))
@@ -90,6 +94,7 @@ class Run:
         self.one_thread = checkpoint.one_thread
         self.clock = Clock(**asdict(checkpoint.clock))
         self.counts = Counts(**checkpoint.counts)
+        self.births = replace(checkpoint.births) if checkpoint.births else None
         self.probes = Probes(self.spec, checkpoint.probe_times, checkpoint.probe_means)
         with self.stopwatch.phase("build"):
             self.world = World(
@@ -142,6 +147,7 @@ class Run:
             emission=self._emission(),
             origin=self.world.origin,
             fluid=self.world.fluid.state() if self.world.fluid else None,
+            births=replace(self.births) if self.births else None,
             rigid=self.world.rigid.state() if self.world.rigid else None,
             cloth=self.world.cloth.state() if self.world.cloth else None,
             one_thread=self.one_thread,
@@ -274,7 +280,9 @@ class Run:
     def _pour(self, state: FluidState, bodies: list[str]) -> FluidState:
         if not bodies:
             return state
-        state = self.world.pour(state, numbered(self.spec), bodies, self.counts, self.clock.time)
+        before, names = state.count, numbered(self.spec)
+        state = self.world.pour(state, names, bodies, self.counts, self.clock.time)
+        given(self.births).add_bodies(state.tag[before:], names, self.clock.time)
         for text in self.world.warnings():
             self.notices.tell(text)
         return state
@@ -287,7 +295,15 @@ class Run:
             with self.stopwatch.phase("compile"):
                 self.device = runtime.start(threads=self.threads, arch=self.arch, serial=self.one_thread)
         with self.stopwatch.phase("build"):
-            self.world.build(state, emission, self.counts, self.notices.tell, self.clock.time, going_on=going_on)
+            self.world.build(
+                state,
+                emission,
+                self.counts,
+                self.notices.tell,
+                self.clock.time,
+                births=self.births,
+                going_on=going_on,
+            )
             self.measure = self.world.measure()
         if not going_on:
             if self.world.rigid:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +56,12 @@ class Table:
     def close(self) -> None:
         """Close the file; rows that are kept back are lost."""
         self._stream.close()
+
+
+def write_table(path: Path, columns: Sequence[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table that is whole or as it was, with floats as in a `Table`."""
+    with whole(path) as stream:
+        stream.write(_csv([columns, *([_short(value) for value in row] for row in rows)]))
 
 
 def _rows_until(path: Path, columns: list[str], until: float) -> list[list[str]]:

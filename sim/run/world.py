@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scene.settings import given
 from sim.run import materials
 from sim.run.placing.placed_scene import PlacedScene
 from sim.spec import SimulationSpec
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from sim.cloth.model import ClothModel
     from sim.coupling.fluid_cloth.wet_cloth import WetCloth
     from sim.coupling.fluid_rigid.floating import Floating
+    from sim.fluid.births import Births
     from sim.fluid.inflow.flow import Flow
     from sim.fluid.measure import Measure
     from sim.fluid.model import FluidModel, FluidState
@@ -59,6 +61,8 @@ class World(PlacedScene):
         if rigid_state is not None:
             materials.put_back(self.obstacles, rigid_state)
         self.emission: dict[str, Any] = {}
+        self.births: Births | None = None
+        """Of the particles; None without fluid."""
         """What emitters had sent when this world was built."""
         self.time = self._until = 0.0
         """Of the present state [s]; told by who steps."""
@@ -71,11 +75,12 @@ class World(PlacedScene):
         warn: Callable[[str], None],
         time: float,
         *,
+        births: Births | None = None,
         going_on: bool,
     ) -> None:
         """Build what steps from `time` [s] on; `going_on` takes accelerations as they are in `state`.
 
-        `emission` is what emitters remember; they count in `counts`.
+        `emission` is what emitters remember; they count in `counts`, and add to the `births` of the particles.
         """
         self.emission = emission
         self.time = time
@@ -89,6 +94,7 @@ class World(PlacedScene):
         if state is None:
             self._leave_fluid()
             return
+        self.births = given(births)
         self.fluid = fluid = materials.build_fluid(
             self, state, materials.sheet_samples(self, self.cloth) if self.cloth else None
         )
@@ -96,7 +102,7 @@ class World(PlacedScene):
         fluid.system.boundary.move()
         self._couple(fluid)
         if self.outlets or self.sinks:
-            self.flow = fluid.system.flow = materials.build_flow(self, fluid, emission, counts, warn)
+            self.flow = fluid.system.flow = materials.build_flow(self, fluid, emission, counts, self.births, warn)
         fluid.solver.restore() if going_on else fluid.solver.start()
 
     # What materials do to each other

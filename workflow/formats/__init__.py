@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from common.registry import added
 from workflow.formats.format import FormatSettings
-from workflow.formats.spec import Animation
+from workflow.formats.spec import Animation, Volume
 
-FORMATS: dict[str, type[FormatSettings]] = dict.fromkeys(("usd", "usda", "usdc", "abc", "glb", "blend"), Animation)
+FORMATS: dict[str, type[FormatSettings]] = {
+    **dict.fromkeys(("usd", "usda", "usdc", "abc", "glb", "blend"), Animation),
+    "vdb": Volume,
+}
 """By the end of the names of their files, beside those of installed packages."""
 
 

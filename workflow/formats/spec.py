@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from scene.units import PositiveLength
 from workflow.formats.format import FormatSettings
 
 
@@ -19,3 +20,11 @@ class Animation(FormatSettings):
     def needs_surface(self) -> bool:
         """Whether the water's surface is in the file."""
         return self.surface
+
+
+class Volume(FormatSettings):
+    """OpenVDB, a file a frame: how full of fluid and foam space is, and how fast, how old and whence the fluid is."""
+
+    IMPLEMENTATION: ClassVar[str] = "workflow.formats.animation:write_volumes"
+    voxel: PositiveLength | None = None
+    """Edge of a cell [m]; without it, the spacing of the particles."""

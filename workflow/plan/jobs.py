@@ -149,6 +149,8 @@ class Plan:
             rest_density=fluid.rest_density,
             walls=self._walls if self.scene.surface.walls else (),
             vessels=self._vessels if self.scene.surface.walls else (),
+            fps=self.scene.simulation.fps if "age" in self.scene.surface.attributes else None,
+            sources=self.scene.simulation.fluid_sources() if "source" in self.scene.surface.attributes else None,
             surface=self.scene.surface,
         )
         return Job(

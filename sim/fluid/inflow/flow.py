@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.device.arrays import numpy_real
+from sim.fluid.births import Births
 from sim.fluid.inflow.drains import Drains, Sink
 from sim.fluid.inflow.emitters import Outlet
 from sim.fluid.inflow.streams import LED, Streams
@@ -52,8 +53,9 @@ class Ledger:
 class Flow:
     """Emitters and drains of a fluid.
 
-    `counts` has what is told in summary.json, and by it the next identity; `free` says whether fluid can be at points
-    [m], shape [n, 3], among the solids at a time [s]; `warn` takes what the user should know.
+    `counts` has what is told in summary.json, and by it the next identity; `births` takes what comes; `free` says
+    whether fluid can be at points [m], shape [n, 3], among the solids at a time [s]; `warn` takes what the user should
+    know.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Flow:
         sinks: Sequence[Sink],
         ledger: Ledger,
         counts: Any,
+        births: Births,
         free: Callable[[np.ndarray, float], np.ndarray],
         warn: Callable[[str], None],
     ):
@@ -72,6 +75,7 @@ class Flow:
         self.outlets = outlets
         self.ledger = ledger
         self.counts = counts
+        self.births = births
         self.free = free
         self.warn = warn
         self.time = 0.0
@@ -89,7 +93,7 @@ class Flow:
         there was anything."""
         drained = self.drains.remove(self.system.particles, self.time + dt)
         self.counts.particles_drained += drained
-        emitted = sum([self._send(*layer) for layer in self._due(dt)])
+        emitted = sum([self._send(*layer, self.time + dt) for layer in self._due(dt)])
         return drained + emitted > 0
 
     def fastest(self, time: float) -> float:
@@ -107,8 +111,9 @@ class Flow:
             for layer in range(whole + 1, _whole(sent.layers) + 1):
                 yield outlet, (sent.layers - layer) * outlet.spacing + since_stop
 
-    def _send(self, outlet: Outlet, distance: float) -> int:
-        """Add the particles that have room of a layer that has come `distance` [m] beyond its outlet; how many."""
+    def _send(self, outlet: Outlet, distance: float, end: float) -> int:
+        """Add the particles that have room of a layer that has come `distance` [m] beyond its outlet at `end` [s], the
+        end of the step; how many."""
         system, sent = self.system, self.ledger.of(outlet.name)
         points = outlet.points + distance * outlet.direction
         free = self.free(points, self.time)
@@ -127,10 +132,11 @@ class Flow:
                 limit = f"fluid.max_particles = {system.spec.max_particles:,} is reached"
                 self.warn(f"{limit} at t={self.time:.4g} s: emitters pause while there are so many")
             return 0
-        self._add(points[free], outlet, sent.number)
+        self._add(points[free], outlet, sent.number, end - distance / outlet.speed)
         return count
 
-    def _add(self, points: np.ndarray, outlet: Outlet, number: int) -> None:
+    def _add(self, points: np.ndarray, outlet: Outlet, number: int, time: float) -> None:
+        """Add particles whose backs left their outlet at `time` [s]."""
         count = len(points)
         if not count:
             return
@@ -146,6 +152,7 @@ class Flow:
                 "eased": np.zeros(count, numpy_real),
             }
         )
+        self.births.add(first, time, outlet.name)
         self.counts.particles_emitted += count
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from common.simulation_files import BadTable, BodyTable, frames_of_files
+from common.simulation_files import BadTable, BodyTable, frames_of_files, read_sources
 from sim.run.output import BODY_COLUMNS
 
 HEAD = ",".join(BODY_COLUMNS)
@@ -56,3 +56,29 @@ def test_frames_of_files(tmp_path):
     for name in ("fluid_00000.ply", "fluid_00001.ply", "cloth_a_b_00001.ply", "cloth_a_b_00007.ply", "body_a.ply"):
         (tmp_path / name).touch()
     assert frames_of_files(tmp_path) == {0, 1, 7}
+
+
+def test_sources_of_particles_by_their_identities(tmp_path):
+    """Those of a source that stops and goes on have one name; particles may be missing."""
+    (tmp_path / "sources.csv").write_text("id,time,source\n0,0,pool\n64,0.5,a tap\n80,0.75,pool\n")
+    found = read_sources(tmp_path)
+    assert found.names == ("pool", "a tap")
+    rows = found.rows([0, 63, 64, 79, 80, 1000])
+    assert [found.index[row] for row in rows] == [0, 0, 1, 1, 0, 0]
+    assert [found.time[row] for row in rows] == [0, 0, 0.5, 0.5, 0.75, 0.75]
+
+
+def test_nothing_came_yet(tmp_path):
+    (tmp_path / "sources.csv").write_text("id,time,source\n")
+    assert read_sources(tmp_path).rows([]) == []
+    with pytest.raises(BadTable, match="not about all particles"):
+        read_sources(tmp_path).rows([0])
+
+
+@pytest.mark.parametrize(
+    "rows", ["id,time\n0,0\n", "id,time,source\n5,0,a\n5,1,b\n", "id,time,source\n0,nan,a\n", "id,time,source\nx,0,a\n"]
+)
+def test_sources_that_are_none_are_refused_with_their_name(tmp_path, rows):
+    (tmp_path / "sources.csv").write_text(rows)
+    with pytest.raises(BadTable, match=r"sources\.csv is not a table of the sources"):
+        read_sources(tmp_path)

@@ -102,6 +102,7 @@ def stages(film, tmp_path):
     for frame, count in enumerate((2, 5)):
         records = np.zeros(count, FLUID_POINT)
         records["x"], records["y"], records["id"] = np.arange(count) / 8, 0.5, np.arange(count) + 7
+        records["vx"] = np.arange(count) + 0.5
         write_points(simulation / f"fluid_{frame:05d}.ply", records)
     return simulation, surface, foam
 
@@ -245,6 +246,54 @@ def fast(stages, write_mesh):
     write_mesh(stages[1] / "surface_00000.ply", names, water, [(0, 1, 2), (0, 3, 1)])
     write_mesh(stages[1] / "surface_00001.ply", names, [], [])
     return stages
+
+
+ATTRIBUTES = """
+import bpy, json, os, sys
+path = sys.argv[-1]
+kind = path.rpartition(".")[2]
+if kind == "blend":
+    bpy.ops.wm.open_mainfile(filepath=path)
+else:
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    (bpy.ops.wm.usd_import if kind == "usdc" else bpy.ops.import_scene.gltf)(filepath=path)
+bpy.context.scene.frame_set(1)
+graph = bpy.context.evaluated_depsgraph_get()
+found = []
+for thing in bpy.data.objects:
+    if thing.type in ("MESH", "POINTCLOUD"):
+        data = thing.evaluated_get(graph).data if kind == "usdc" else thing.data
+        known = {name.strip("_").lower(): one for name, one in data.attributes.items()}
+        if {"age", "source", "particle_id"} <= known.keys():
+            own = [[round(one.value, 5) for one in known[name].data] for name in ("particle_id", "age", "source")]
+            across = "vx" if "vx" in known else "velocity"
+            ways = [one.value if across == "vx" else one.vector[0] for one in known[across].data]
+            found.append([list(row) for row in zip(*own, ways)])
+print("SEEN " + json.dumps(max(found, key=len)), flush=True)
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("kind", ["usdc", "glb", "blend"])
+def test_particles_have_their_speeds_ages_and_sources(stages, tmp_path, kind):
+    """Those of the tank came with the scene, those of the tap 0.05 s later; sources are numbered as they came."""
+    (stages[0] / "sources.csv").write_text("id,time,source\n7,0,tank\n9,0.05,tap\n")
+    path = tmp_path / f"film.{kind}"
+    export(stages, path, "--particles", str(RADIUS))
+    found = look(tmp_path, ATTRIBUTES, path)
+    rows = [[7, 0.08, 0, 0.5], [8, 0.08, 0, 1.5], [9, 0.03, 1, 2.5], [10, 0.03, 1, 3.5], [11, 0.03, 1, 4.5]]
+    assert np.array(sorted(found)) == pytest.approx(np.array(rows), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [("id,time,source\n9,0,tap\n", "is not about all particles"), ("id,time\n7,0\n", "sources.csv is not a table")],
+)
+def test_sources_that_cannot_be_leave_no_file(stages, tmp_path, table, said):
+    (stages[0] / "sources.csv").write_text(table)
+    done = export(stages, tmp_path / "film.usdc", "--particles", str(RADIUS), expected=2)
+    assert said in done.stderr
+    assert not list(tmp_path.glob("*film*"))
 
 
 def test_usd_and_gltf_have_what_water_says_of_the_fluid(fast, tmp_path):

@@ -9,7 +9,7 @@ from render.looks import LOOKS
 from render.looks.spec import OWN
 from tests.support.pictures import extent, passes, rest, white_light
 
-OPAQUE = sorted(set(LOOKS) - {"water", "glass", "colormap", "imported"})
+OPAQUE = sorted(set(LOOKS) - {"water", "glass", "colormap", "palette", "imported"})
 """Those that any body can have, and that one cannot look through."""
 GRAINED = {look.model_fields["type"].annotation.__args__[0] for look in OWN if "grain" in look.model_fields}
 ROUGH = GRAINED | {"tiles"}

@@ -42,7 +42,11 @@ def test_every_input_that_a_look_sets_is_there(monkeypatch, tmp_path, kind):
     monkeypatch.setattr(nodes.versions, "input_named", found)
     settings = next(look for look in OWN if look.model_fields["type"].annotation.__args__ == (kind,))
     images = {setting: {"file": "quarters.png"} for setting in ImportedMaterial.MAPS}
-    needed = {"imported": {"materials": [images]}, "colormap": {"high": 1.0}}.get(kind, {})
+    needed = {
+        "imported": {"materials": [images]},
+        "colormap": {"high": 1.0},
+        "palette": {"colors": {"tap": "#ff0000"}},
+    }.get(kind, {})
     look = plain(settings.model_validate({"type": kind, **needed}).model_dump(mode="json"))
     make_materials("body", look, 1.0, False, default_body_look(0))
     assert asked and all(there for _, _, there in asked), asked

@@ -59,6 +59,14 @@ def test_the_parts_of_a_film_are_one_animation(folder, monkeypatch):
     assert (whole / "bodies.csv").read_text() == (folder / "out" / "bodies.csv").read_text()
 
 
+def test_particles_of_a_film_have_the_sources_that_its_last_part_knows(tmp_path):
+    for index, table in enumerate(("id,time,source\n0,0,drop\n", "id,time,source\n0,0,drop\n8,1,tap\n")):
+        (tmp_path / f"part{index}").mkdir()
+        (tmp_path / f"part{index}" / "sources.csv").write_text(table)
+    whole = gather([tmp_path / "part0", tmp_path / "part1"], tmp_path / "whole")
+    assert (whole / "sources.csv").read_text() == table
+
+
 def test_every_format_is_offered_for_a_name_that_is_none(folder):
     done = python(folder, "workflow.export", "ball", "--simulation", "out", "--out", "ball.fbx")
     assert done.returncode == 2

@@ -7,12 +7,10 @@ free surface, where uncorrected ones see half of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import KDTree
-
-from common.attributes import Attribute
 
 REACH = 2.0
 """Radius of the kernel, in spacings: the support radius of the fluid."""
@@ -25,16 +23,17 @@ TOGETHER = 65_536
 
 
 def sampled(
-    names: Sequence[Attribute],
+    names: Sequence[str],
     vertices: np.ndarray,
     positions: np.ndarray,
     velocities: np.ndarray,
-    density: np.ndarray,
+    known: Mapping[str, np.ndarray],
     spacing: float,
 ) -> dict[str, np.ndarray]:
-    """The attributes of `names` at vertices [m], shape [m, 3], each float32, shape [m].
+    """What is named at vertices [m], shape [m, 3], each float32, shape [m].
 
-    positions [m], velocities [m/s], float32, shape [n, 3], and density [kg/m^3], shape [n], are those of the particles.
+    positions [m] and velocities [m/s], float32, shape [n, 3], are those of the particles; `known`: what else is known
+    of them, by name, shape [n] each.
     """
     if not names:
         return {}
@@ -44,9 +43,8 @@ def sampled(
     values = {
         "speed": lambda: np.linalg.norm(velocities.astype(np.float64), axis=1),
         "vorticity": lambda: _vorticity(tree, vertices.astype(np.float64), velocities.astype(np.float64), spacing),
-        "density": lambda: density.astype(np.float64),
     }
-    table = np.stack([values[name]() for name in names], axis=1)
+    table = np.stack([known[name] if name in known else values[name]() for name in names], axis=1, dtype=np.float64)
     means = np.concatenate([_mean(table, *near) for _, near in _around(tree, vertices.astype(np.float64), spacing)])
     return {name: means[:, column].astype(np.float32) for column, name in enumerate(names)}
 

@@ -5,14 +5,14 @@ The defaults follow Löschner et al. 2023; thin sheets are made whole before, se
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Gt, Le
-from pydantic import field_validator
+from pydantic import field_validator, model_validator
 
 from common.attributes import Attribute
 from scene.settings import Name, Settings
-from scene.units import Density, Dimensionless, PositiveLength
+from scene.units import Density, Dimensionless, FrameRate, PositiveLength
 from sim.bodies.wall import Wall
 
 
@@ -77,8 +77,9 @@ class SurfaceSpec(Settings):
     volume: bool = True
     """Bring each connected piece of the surface to the volume of its particles; thin sheets are too thick otherwise."""
     attributes: tuple[Attribute, ...] = ()
-    """What the vertices say of the fluid there, for looks as `colormap` and for other programs: `speed` [m/s],
-    `vorticity`, its magnitude [1/s], `density` [kg/m^3]; each the mean of the particles around."""
+    """What the vertices say of the fluid there, for looks as `colormap` and `palette` and for other programs: `speed`
+    [m/s], `vorticity`, its magnitude [1/s], `density` [kg/m^3], `age`, since the fluid came into the scene [s], and
+    `source`, the share of each fluid body and emitter; each the mean of the particles around."""
     smoothing: MeshSmoothing = MeshSmoothing()
     cleanup: MeshCleanup = MeshCleanup()
     normals: Normals = Normals()
@@ -102,4 +103,15 @@ class ReconstructSpec(Settings):
     """Planes that the surface ends flush with."""
     vessels: tuple[Name, ...] = ()
     """Containers with a mesh of their own that it ends flush with; it does with all bodies that have one."""
+    fps: FrameRate | None = None
+    """Frames per simulated second [Hz], which the attribute `age` needs."""
+    sources: tuple[Name, ...] | None = None
+    """Fluid bodies and emitters that the attribute `source` tells apart, of which some may come later; without it,
+    those that the simulation names."""
     surface: SurfaceSpec = SurfaceSpec()
+
+    @model_validator(mode="after")
+    def _ages_have_times(self) -> Self:
+        if "age" in self.surface.attributes and self.fps is None:
+            raise ValueError("surface.attributes: age needs the times of the frames: give fps")
+        return self

@@ -156,3 +156,26 @@ def test_there_is_no_foam_without_the_setting():
     with pytest.raises(IndexError, match="has no `foam:`"):
         plan(fluid=WATER).job("foam")
     assert plan(fluid=WATER).jobs("foam") == []
+
+
+def test_a_surface_knows_times_and_sources_only_where_it_is_asked_for_them():
+    """Also sources that an event adds later, so that all files of a film have the same columns."""
+    tap = {"shape": {"type": "disc", "radius": 0.5}, "speed": 1}
+    water = WATER | {"emitters": {"hose": tap}}
+    events = [{"at": 1, "add": {"emitters": {"tap": tap}, "fluid": {"drop": {"shape": BOX}}}}]
+    asked = ("age", "source")
+    specs = [
+        json.loads(plan(fluid=water, events=events, surface={"attributes": names}).job("reconstruct", 0).spec)
+        for names in ((), asked[:1], asked[1:])
+    ]
+    assert [(spec.get("fps"), spec.get("sources")) for spec in specs] == [
+        (None, None),
+        (24, None),
+        (None, ["block", "hose", "drop", "tap"]),
+    ]
+
+
+def test_a_palette_repeats_no_surface():
+    water = [{"type": "palette", "colors": {"block": color}} for color in ("#ff0000", "#00ff00")]
+    before, after = (plan(fluid=WATER, surface={"attributes": ["source"]}, render={"water": look}) for look in water)
+    assert {name.split("/")[-2] for name in changed(before, after)} == {"frames", "renders"}

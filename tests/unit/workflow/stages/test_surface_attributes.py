@@ -27,7 +27,7 @@ def lattice(count: int = 8) -> np.ndarray:
 
 def at(vertices, places, velocities, density=None, names=ALL):
     given = np.full(len(places), 1000.0) if density is None else density
-    return sampled(names, np.asarray(vertices), places, velocities, given, SPACING)
+    return sampled(names, np.asarray(vertices), places, velocities, {"density": given}, SPACING)
 
 
 def test_vorticity_is_twice_the_rotation_also_at_the_free_surface():
@@ -105,3 +105,78 @@ def test_files_have_what_is_asked_for_and_no_more(tmp_path, names):
     for name, value in (("speed", 2.0), ("vorticity", 0.0)):
         if name in names:
             assert found[name] == pytest.approx(value, abs=1e-5)
+
+
+@pytest.fixture
+def two(tmp_path):
+    """A simulation of two blocks side by side, the right one 0.1 s later, in frame 3; returns its folder."""
+    places = lattice(6)
+    points = np.zeros(len(places), FLUID_POINT)
+    for axis, name in enumerate("xyz"):
+        points[name] = places[:, axis]
+    points["density"] = 1000.0
+    points["id"] = np.arange(len(places))
+    folder = tmp_path / "simulation"
+    folder.mkdir()
+    write_points(folder / "fluid_00003.ply", points)
+    half = len(places) // 2
+    (folder / "sources.csv").write_text(f"id,time,source\n0,0,left\n{half},0.1,right\n")
+    return folder
+
+
+def reconstructed(folder, **spec):
+    whole = {"particle_radius": SPACING / 2, "surface": {"attributes": ["age", "source"]}, "fps": 10, **spec}
+    command = [sys.executable, "-m", "workflow.reconstruct", "--spec", json.dumps(whole), "--frames", "3:3"]
+    command += ["--simulation", str(folder), "--out", str(folder.parent / "surface")]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+def test_ages_and_sources_mix_where_fluids_meet(two):
+    """0.3 s and 0.2 s, and all of one source, at the ends; in between ages are those of the shares."""
+    done = reconstructed(two, sources=["left", "right", "late"])
+    assert done.returncode == 0, done.stderr
+    found = read_points(two.parent / "surface" / "surface_00003.ply")
+    assert found.dtype.names[9:] == ("age", "source_left", "source_right", "source_late")
+    left, right = found["source_left"], found["source_right"]
+    assert left + right == pytest.approx(1.0, abs=1e-5) and not found["source_late"].any()
+    assert found["age"] == pytest.approx(0.3 * left + 0.2 * right, abs=1e-5)
+    middle = 2.5 * SPACING
+    far = np.abs(found["x"] - middle) > REACH * SPACING + SPACING
+    assert left[far] == pytest.approx((found["x"][far] < middle).astype(float), abs=1e-6)
+    assert ((left > 0.2) & (left < 0.8)).any()
+
+
+def test_sources_need_not_be_named(two):
+    done = reconstructed(two)
+    assert done.returncode == 0, done.stderr
+    names = read_points(two.parent / "surface" / "surface_00003.ply").dtype.names
+    assert names[9:] == ("age", "source_left", "source_right")
+
+
+def gone(folder):
+    (folder / "sources.csv").unlink()
+
+
+def later(folder):
+    (folder / "sources.csv").write_text("id,time,source\n7,0,left\n")
+
+
+def mixed_up(folder):
+    (folder / "sources.csv").write_text("id,time,source\n7,0,left\n0,0,right\n")
+
+
+@pytest.mark.parametrize(
+    ("damage", "spec", "said"),
+    [
+        (gone, {}, "sources.csv is missing, which tells when particles came. simulate anew, or leave age and source"),
+        (later, {}, "sources.csv is not about all particles"),
+        (mixed_up, {}, "rows are not in order"),
+        (lambda folder: None, {"sources": ["left"]}, "particles of the simulation come from right, too"),
+        (lambda folder: None, {"fps": None}, "age needs the times of the frames: give fps"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(two, damage, spec, said):
+    damage(two)
+    done = reconstructed(two, **spec)
+    assert done.returncode == 2
+    assert said in done.stderr.replace("\n  fix: ", ". ")
