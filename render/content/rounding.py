@@ -32,8 +32,8 @@ def round_edges(mesh: Any, radius: float) -> None:
     rounded = set(made["faces"])
     solid.normal_update()
     normals = [_normal(vertex, rounded) for vertex in solid.verts]
-    for face in solid.faces:
-        face.smooth = True
+    for part in (*solid.faces, *solid.edges):
+        part.smooth = True
     solid.to_mesh(mesh)
     solid.free()
     versions.set_normals(mesh, normals)
