@@ -128,6 +128,13 @@ def keep_sharp_edges(mesh: Any) -> None:
         mesh.auto_smooth_angle = math.pi
 
 
+def set_normals(mesh: Any, normals: Any) -> None:
+    """Shade a mesh by one direction a vertex; until 4.0 that counted with the setting of `show_edges` alone."""
+    if not hasattr(mesh, "set_sharp_from_angle"):
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set_from_vertices(normals)
+
+
 def curves(thing: Any) -> Any:
     """The curves of a thing that has keyframes. Since 5.0 they are in its slot of the action, which it may share."""
     data = thing.animation_data

@@ -9,18 +9,22 @@ from mathutils import Quaternion, Vector
 from render.content.meshes import add_object, build_mesh, divide, lay, sharpen
 from render.content.motion import PLACE, blur, forget, show_only
 from render.content.ply import TriangleMesh
+from render.content.rounding import round_edges
 from render.inputs import Pose
 
 
 class Body:
-    """A rigid body in the scene; `uv` says where images lie on it, flat [6 m]."""
+    """A rigid body in the scene; `uv` says where images lie on it, flat [6 m], `rounding` is the radius of its
+    edges [m]."""
 
-    def __init__(self, name: str, source: TriangleMesh, *materials: Any, uv: Any = None):
+    def __init__(self, name: str, source: TriangleMesh, *materials: Any, uv: Any = None, rounding: float = 0.0):
         mesh = build_mesh(name, source)
         sharpen(mesh)
         lay(mesh, uv)
         if source.material is not None and len(materials) > 1:
             divide(mesh, source.material, len(materials))
+        if rounding > 0:
+            round_edges(mesh, rounding)
         self.thing = add_object(name, mesh, *materials)
         self.thing.rotation_mode = "QUATERNION"
 

@@ -37,3 +37,4 @@ def forget(thing: Any) -> None:
     """Remove a thing's keyframes. The action stays: to remove one, Blender looks through all that there is."""
     if thing.animation_data is not None:
         versions.curves(thing).clear()
+        thing.animation_data.action.update_tag()  # else Blender moves the thing by the curves that it had

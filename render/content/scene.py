@@ -192,7 +192,8 @@ class Scene:
             caustics = Caustics() if self.settings.caustics else None
             size = _bounds(source).diagonal
             materials = make_materials(name, look, size, tinted, otherwise, caustics=caustics, known=self._known)
-            self._bodies[name] = Body(name, source, *materials, uv=places(name, source, look))
+            rounding = getattr(look, "rounding", 0.0)
+            self._bodies[name] = Body(name, source, *materials, uv=places(name, source, look), rounding=rounding)
 
     def _add_moving_meshes(self) -> None:
         if self.inputs.surface is not None:

@@ -79,7 +79,15 @@ class PrincipledLook(Principled, VariedLook):
     """One of them whose colour differs from body to body."""
 
 
-class Plastic(Rough, PrincipledLook):
+class Rounded(Settings):
+    """A look of bodies that may have edges."""
+
+    rounding: SizeOrNone = 0.0
+    """Radius of a body's edges [m], on which light then catches, or as much as its faces have room for; 0 leaves them
+    sharp. Edges are where faces meet at more than 35 degrees."""
+
+
+class Plastic(Rough, Rounded, PrincipledLook):
     """A coloured body under a clear, slightly glossy coat."""
 
     type: Literal["plastic"]
@@ -89,7 +97,7 @@ class Plastic(Rough, PrincipledLook):
     """0 is a mirror-smooth surface."""
 
 
-class Metal(Rough, PrincipledLook):
+class Metal(Rough, Rounded, PrincipledLook):
     """Bare metal."""
 
     type: Literal["metal"]
@@ -99,7 +107,7 @@ class Metal(Rough, PrincipledLook):
     """0 is a mirror, 0.25 brushed, 0.5 cast."""
 
 
-class Stone(Rough, PrincipledLook):
+class Stone(Rough, Rounded, PrincipledLook):
     """Rough stone with grains and stains."""
 
     type: Literal["stone"]
@@ -110,7 +118,7 @@ class Stone(Rough, PrincipledLook):
     """Size of the stains [m]; the grains are a tenth of it. Without it, a fifth of the body's diagonal."""
 
 
-class Matte(Textured, VariedLook):
+class Matte(Textured, Rounded, VariedLook):
     """Chalk, paper, clay: no gloss at all."""
 
     type: Literal["matte"]
@@ -139,7 +147,7 @@ class ClothLook(PrincipledLook):
     """Width of the hem along the rim of a sheet [m], 0 for none; without it, a fiftieth of the diagonal."""
 
 
-class Glass(VariedLook):
+class Glass(Rounded, VariedLook):
     """Clear glass."""
 
     type: Literal["glass"]
@@ -154,7 +162,7 @@ class Glass(VariedLook):
     unbent, and its edges do not stand out."""
 
 
-class Wood(Rough, PrincipledLook):
+class Wood(Rough, Rounded, PrincipledLook):
     """Sawn wood, with annual rings and fibres."""
 
     type: Literal["wood"]
@@ -170,7 +178,7 @@ class Wood(Rough, PrincipledLook):
     """Strength of a clear, glossy coat."""
 
 
-class Rubber(Rough, PrincipledLook):
+class Rubber(Rough, Rounded, PrincipledLook):
     """Rubber: a soft gloss, not quite even."""
 
     type: Literal["rubber"]
@@ -181,7 +189,7 @@ class Rubber(Rough, PrincipledLook):
     """Size of its unevenness [m]; without it, six thousandths of the body's diagonal."""
 
 
-class Paper(PrincipledLook):
+class Paper(Rounded, PrincipledLook):
     """Paper or cardboard, letting some light through; of sheets and of bodies."""
 
     type: Literal["paper"]
@@ -196,7 +204,7 @@ class Paper(PrincipledLook):
     """Of a sheet as drawn [m]; without it, nine tenths of its `thickness` in the simulation."""
 
 
-class Ceramic(PrincipledLook):
+class Ceramic(Rounded, PrincipledLook):
     """Glazed ceramic, plain or with specks."""
 
     type: Literal["ceramic"]
@@ -223,7 +231,7 @@ class Lemon(PrincipledLook):
     """Share of the light that wanders about below the skin before it comes out."""
 
 
-class Planks(PrincipledLook):
+class Planks(Rounded, PrincipledLook):
     """Boards side by side along x, oiled."""
 
     type: Literal["planks"]
@@ -234,7 +242,7 @@ class Planks(PrincipledLook):
     """Width of a board [m]; without it, 0.16 of the body's diagonal, as ground of that of the box of the action."""
 
 
-class Tiles(PrincipledLook):
+class Tiles(Rounded, PrincipledLook):
     """Square tiles with joints."""
 
     type: Literal["tiles"]
@@ -307,6 +315,8 @@ class Palette(Principled):
 
 OF_SHEETS = ("back", "thickness", "weave", "hem")
 """Settings that looks have for sheets alone."""
+OF_BODIES = ("rounding",)
+"""Likewise, for rigid bodies."""
 OWN = (
     *(Water, Plastic, Metal, Stone, Matte, ClothLook, Glass, Wood, Rubber, Paper, Ceramic, Lemon, Planks, Tiles),
     *(Colormap, Palette, Imported),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from render.looks.spec import OF_SHEETS
+from render.looks.spec import OF_BODIES, OF_SHEETS
 from scene.document import Location
 from scene.load import Scene
 from scene.names import resolve
@@ -112,19 +113,19 @@ def cautions(scene: Scene) -> Iterator[Caution]:
                 value = _value(whole, on)
                 if not dependence.counts(value) and on not in varied:
                     yield Caution(f"changes nothing: {dependence.because.format(value=value)}", place)
-    yield from _of_sheets_alone(scene)
+    yield from _of_others_alone(scene)
 
 
-def _of_sheets_alone(scene: Scene) -> Iterator[Caution]:
-    """One for each setting of a look that only sheets show, on something else."""
+def _of_others_alone(scene: Scene) -> Iterator[Caution]:
+    """One for each setting of a look that only sheets, or only bodies show, on something else."""
     found = resolve(scene.simulation)
-    sheets = {name for name, item in found.items() if item.kind == "a sheet of cloth"}
     looks = (("render", "materials", ANY), ("render", "ground", "material"), ("render", "water"), ("render", "foam"))
-    for look in looks:
-        for setting in OF_SHEETS:
+    for kind, settings in (("a sheet of cloth", OF_SHEETS), ("a rigid body", OF_BODIES)):
+        shown = {name for name, item in found.items() if item.kind == kind}
+        for look, setting in itertools.product(looks, settings):
             for place in _given(scene.document.data, (*look, setting)):
-                if place[:2] != ("render", "materials") or place[2] not in sheets:
-                    yield Caution("changes nothing: only a sheet of cloth shows it: remove it", place)
+                if place[:2] != ("render", "materials") or place[2] not in shown:
+                    yield Caution(f"changes nothing: only {kind} shows it: remove it", place)
 
 
 def _given(data: Any, setting: Location) -> Iterator[Location]:

@@ -11,6 +11,7 @@ from mathutils.kdtree import KDTree
 
 from render.blender import versions
 from render.content.axes import z_up_columns
+from render.content.changing.curved import curved
 from render.content.changing.meshes import MovingMesh
 from render.content.materials import make_material
 from render.content.nodes import REST, RIM
@@ -25,7 +26,8 @@ REST_COLUMNS = ("rest_x", "rest_y", "rest_z")
 
 
 class Sheet(MovingMesh):
-    """A sheet of cloth; `first` is its mesh in any frame, `action` the diagonal of the action's box [m].
+    """A sheet of cloth; `first` is its mesh in any frame, `action` the diagonal of the action's box [m]. Files for
+    other programs have the triangles of the simulation, Blender has them curved.
 
     Raises Unusable for what its look has and files of old do not hold.
     """
@@ -45,8 +47,10 @@ class Sheet(MovingMesh):
         kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick, "known": known}
         super().__init__("cloth_" + name, *(make_material(side, its, size, **kinds) for side, its in sides))
         self._look = look
+        self._curved = known == "all"
 
     def build(self, source: TriangleMesh, name: str) -> Any:
+        source = curved(source) if self._curved else source
         mesh = super().build(source, name)
         note_rest(mesh, source)
         return mesh

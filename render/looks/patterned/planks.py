@@ -15,7 +15,9 @@ LONG = 1000.0
 def build(graph: Graph, look: Any, size: float) -> tuple[Any, Any]:
     width = look.board or BOARD * size
     place = graph.node("TexCoord").outputs["Object"]
-    rows = {"Vector": place, "Scale": 1.0, "Brick Width": LONG * width, "Row Height": width}
+    # one begins in the middle of the texture's first, whose end would be a joint across the ground
+    begun = graph.node("Mapping", {"Vector": place, "Location": (LONG * width / 2, 0.0, 0.0)}).outputs[0]
+    rows = {"Vector": begun, "Scale": 1.0, "Brick Width": LONG * width, "Row Height": width}
     joints = {"Mortar": (0.5, 0.5, 0.5, 1), "Mortar Size": 0.006 * width, "Mortar Smooth": 0.2}
     tones = {"Color1": (0, 0, 0, 1), "Color2": (1, 1, 1, 1), "Bias": 0.0}
     boards = graph.node("TexBrick", rows | joints | tones, offset=0.0)

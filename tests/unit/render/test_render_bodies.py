@@ -41,3 +41,14 @@ def test_it_is_hidden_while_absent_and_leaves_no_motion_behind(body):
     assert tuple(body.thing.location) == pytest.approx(POSE.position), "it stands, whatever the frame"
     assert len(versions.curves(body.thing)) == 0
     assert len(bpy.data.actions) == 1, "and does not leave one behind in every frame"
+
+
+def test_what_comes_to_rest_stands_where_it_is_not_where_it_last_moved(body):
+    """Blender itself says where, which goes on with curves that it is not told are gone."""
+    resting = Pose(position=(5, 6, 7), rotation=(0, 1, 0, 0), velocity=(0, 0, 0), angular_velocity=(0, 0, 0))
+    for frame, pose in ((7, POSE), (8, resting)):
+        body.show(pose, frame, exposure=0.5, fps=FPS)
+        bpy.context.scene.frame_set(frame)
+        place, turn, _ = body.thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world.decompose()
+        assert tuple(place) == pytest.approx(pose.position, abs=1e-5)
+        assert turn.rotation_difference(Quaternion(pose.rotation)).angle == pytest.approx(0, abs=1e-3)

@@ -6,6 +6,8 @@ import sys
 
 import pytest
 
+from tests.support.pictures import extent, passes, white_light
+
 HIGH = 2.0
 LYING = 0.003
 """Height of the middle of a cloth of 6 mm that lies on a floor at 0 [m]."""
@@ -48,3 +50,14 @@ def test_cloth_on_the_floor_is_seen(tmp_path, write_mesh, water):
 
 def test_without_a_floor_the_ground_is_under_all_that_is_placed(tmp_path, write_mesh):
     assert depths(tmp_path, write_mesh, {"height": None, "cloth": None}, False)[1] == pytest.approx(1.996, abs=1e-5)
+
+
+def test_boards_go_on_through_the_middle_of_the_ground(tmp_path):
+    """No joint across them: in each row, the middle is as bright as its surroundings."""
+    simulation = tmp_path / "simulation"
+    extent(simulation, (-0.5, 0, -0.5), (0.5, 0.1, 0.5))
+    camera = {"position": [0, HIGH, 0], "target": [0, 0, 0], "projection": "orthographic", "width": 0.1}
+    look = {"type": "planks", "board": 0.2}
+    settings = {"resolution": (64, 32), "camera": camera, "ground": {"height": 0, "material": look}, "samples": 16}
+    light = passes(simulation, tmp_path / "out", **white_light(tmp_path) | settings)[0].mean(axis=(0, 2))
+    assert light[30:34].min() > 0.8 * light.mean()

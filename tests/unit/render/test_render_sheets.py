@@ -81,8 +81,18 @@ def test_both_sides_are_blurred_by_the_motion_of_the_sheet(sheet):
     """The file has a velocity of 3 m/s along y, which is up."""
     mesh = sheet()
     velocities = {tuple(point.vector) for point in mesh.attributes["velocity"].data}
-    assert len(mesh.attributes["velocity"].data) == len(mesh.vertices) == 2 * (CELLS + 1) ** 2
+    assert len(mesh.attributes["velocity"].data) == len(mesh.vertices) == 2 * (2 * CELLS + 1) ** 2
     assert velocities == {(0.0, 0.0, 3.0)}
+
+
+@pytest.mark.parametrize(("known", "cells"), [("all", 2 * CELLS), ("transmission", CELLS), ("opacity", CELLS)])
+def test_files_for_other_programs_have_the_triangles_of_the_simulation(tmp_path, write_mesh, known, cells):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    source = read_mesh(write_sheet(write_mesh, tmp_path / "cloth_towel_00000.ply"))
+    look = SimpleNamespace(**LOOK | {"thickness": None, "weave": None, "hem": None})
+    found = Sheet("towel", look, source, 9, known=known)
+    found.show(source)
+    assert len(found.thing.data.polygons) == 2 * cells**2
 
 
 def test_each_point_knows_its_place_in_the_cloth_and_its_way_to_the_rim(sheet):

@@ -40,6 +40,10 @@ ADDED = {
         "render: {ground: {material: {type: cloth, back: '#ff0000'}}}",
         "render.ground.material.back: changes nothing: only a sheet of cloth shows it",
     ),
+    "rounded edges of a tank": (
+        "render: {materials: {tank: {type: glass, rounding: 0.01}}}",
+        "render.materials.tank.rounding: changes nothing: only a rigid body shows it",
+    ),
     "transparent film": (
         "render: {background: {type: transparent}}",
         "render.background.type: the MP4 cannot keep it: add one of prores, vp9, webp to film.also",
