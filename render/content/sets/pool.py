@@ -21,7 +21,8 @@ RIM = 0.12
 ROUND = 0.15
 """Height of its edge over its width."""
 STONE = SimpleNamespace(type="stone", color=(0.83, 0.80, 0.74), roughness=0.7, grain=None)
-DECK = SimpleNamespace(type="stone", color=(0.72, 0.68, 0.62), roughness=0.9, grain=None)
+SLAB = 0.3
+"""Edge of a slab of the deck, likewise."""
 
 
 def build(site: Site) -> None:
@@ -41,9 +42,15 @@ def build(site: Site) -> None:
         rim = seen_from_inside(site.material("rim", STONE), side, basin)
         edge = [(0.0, depth), (-lip, depth), (-lip, depth + lip), (width, depth + lip)]
         add_strip("rim", side, basin, edge, rim)
-        deck = seen_from_inside(site.material("deck", DECK), side, basin)
+        deck = seen_from_inside(site.material("deck", _slabs(site.size)), side, basin)
         fade(deck, 1.5 * site.reach, WIDE * site.reach)
         add_strip("deck", side, basin, [(width, depth + 0.9 * lip), (WIDE * site.reach, depth + 0.9 * lip)], deck)
+
+
+def _slabs(size: float) -> SimpleNamespace:
+    """The look of the deck: slabs of sandstone, of tones that differ."""
+    color, joint = (0.70, 0.62, 0.52), (0.42, 0.38, 0.33)
+    return SimpleNamespace(type="tiles", color=color, joint=joint, roughness=0.8, edge=SLAB * size, tone_variation=0.5)
 
 
 def _holds(basin: Box, action: Box, slack: float) -> bool:

@@ -15,6 +15,7 @@ import pytest
 from render.content.framing import direction, frame_box
 from render.content.lights import DISTANCE, _view_factor, add_lights
 from render.content.sets import SETS, add_set
+from render.content.sets.pool import SLAB
 from render.content.sets.site import Site
 from render.content.world import add_world
 from render.inputs import Box
@@ -153,6 +154,17 @@ def test_no_wall_of_a_pool_cuts_through_what_is_beside_its_container():
     walls = [bounds for name, bounds in built("pool", basin=basin).items() if name.startswith("wall")]
     nearest = sorted(min(abs(bounds[axis]), abs(bounds[axis + 3])) for bounds in walls for axis in (0, 1))
     assert nearest[0] > 0.5, "as without the container, around all of the action"
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+def test_the_deck_of_a_pool_is_of_slabs_sized_with_the_action(scale):
+    """Without joints it was a void as wide as the picture."""
+    built("pool", scale)
+    decks = [thing for thing in bpy.data.objects if thing.name.startswith("deck")]
+    assert len(decks) == 4
+    for deck in decks:
+        slabs = next(node for node in deck.active_material.node_tree.nodes if node.type == "TEX_BRICK")
+        assert slabs.inputs["Brick Width"].default_value == pytest.approx(SLAB * scale * BOX.diagonal)
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.01])
