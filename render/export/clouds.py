@@ -56,7 +56,7 @@ def clouds_of(scene: Scene, job: Job) -> tuple[Cloud, ...]:
     """The points of a job's animation."""
     found = []
     if job.foam is not None:
-        found.append(Cloud("foam", scene.make_material("foam", scene.settings.foam), Path(job.foam), "foam"))
+        found.append(Cloud("foam", scene.make_material("foam", scene.foam_look()), Path(job.foam), "foam"))
     if job.particles is not None:
         material = scene.make_material("particles", PARTICLES)
         found.append(Cloud("particles", material, Path(job.simulation), "fluid", job.particles))

@@ -29,6 +29,7 @@ from workflow.plan import additions, sources
 from workflow.plan.timeline import Timeline
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.wet.spec import WetJobSpec
 
 RESULTS = "results"
 FILMS = "renders"
@@ -37,6 +38,7 @@ ENTRY = {
     "simulate": "sim.segment",
     "reconstruct": "workflow.reconstruct",
     "foam": "workflow.foam",
+    "wet": "workflow.wet",
     "render": "render",
     "film": "workflow.film",
 }
@@ -95,6 +97,11 @@ class Plan:
         """Whether the scene asks for foam."""
         return self.scene.foam is not None
 
+    @property
+    def has_wetness(self) -> bool:
+        """Whether the scene asks for what is wet."""
+        return self.scene.render.wetness is not None
+
     def job(self, stage: str, index: int = 0) -> Job:
         """The job of a stage for a segment or block; raises IndexError where the film has no such part."""
         key = (stage, index)
@@ -108,7 +115,9 @@ class Plan:
             return 0
         if stage == "foam" and not self.has_foam:
             return 0
-        segments = dict.fromkeys(("simulate", "reconstruct", "foam"), self.timeline.segments)
+        if stage == "wet" and not self.has_wetness:
+            return 0
+        segments = dict.fromkeys(("simulate", "reconstruct", "foam", "wet"), self.timeline.segments)
         return {**segments, "render": self.timeline.blocks, "film": 1}[stage]
 
     def jobs(self, stage: str) -> list[Job]:
@@ -185,6 +194,29 @@ class Plan:
             upstream=(self.job("simulate", index).plan, *((self.job("foam", index - 1).plan,) if index else ())),
         )
 
+    def _wet(self, index: int) -> Job:
+        fluid, wetness = self.scene.simulation.fluid, self.scene.render.wetness
+        if wetness is None or fluid is None:
+            raise IndexError(f"{self.scene.name} has no `render.wetness`, so that nothing gets wet")
+        named = self.scene.render.named_bodies()
+        spec = WetJobSpec(
+            drying_time=wetness.drying_time,
+            particle_radius=fluid.particle_radius,
+            fps=self.scene.simulation.fps,
+            walls=self._walls,
+            vessels=tuple(sorted(set(named) & set(self._vessels))),
+        )
+        return Job(
+            stage="wet",
+            folder=f"{self.results}/wet/{index:03d}",
+            frames=self.timeline.segment(index),
+            spec=spec.canonical(),
+            code=self._code("wet"),
+            versions=versions("libigl", "numpy", "scipy", "trimesh"),
+            assets=_assets({}, set()),
+            upstream=(self.job("simulate", index).plan, *((self.job("wet", index - 1).plan,) if index else ())),
+        )
+
     def _render(self, index: int) -> Job:
         frames = self.timeline.block(index)
         segment = self.timeline.segment_of_block(index)
@@ -201,7 +233,9 @@ class Plan:
 
     def _shown(self) -> tuple[str, ...]:
         """Stages whose results pictures show; the surface stands for the simulation that it was made from."""
-        return ("reconstruct" if self.has_surface else "simulate", *(("foam",) if self.has_foam else ()))
+        found = ["reconstruct" if self.has_surface else "simulate"]
+        found += ["foam"] * self.has_foam + ["wet"] * self.has_wetness
+        return tuple(found)
 
     def _film(self, _index: int) -> Job:
         scene = self.scene
