@@ -1,7 +1,7 @@
 """What is wet: darker, more saturated, and shiny.
 
 Light that a rough surface scatters into a film of liquid on it is thrown back at the film's surface, in part, and meets
-the rough surface again, which absorbs some of it each time (Lekner & Dorf 1988, following Angstrom 1925): of the
+the rough surface again, which absorbs some of it each time (Lekner & Dorf 1988): of the
 reflectance r of the dry surface, r (1 - p) / (1 - p r) remains below the film, whose own reflection the coat adds. That
 is less of every colour, and least of the darkest: what is wet is more saturated. Liquid in the pores of concrete,
 wood or cloth does the same (Jensen et al. 1999); what has none, such as plastic, only gets the film.
@@ -16,7 +16,7 @@ from render.content.nodes import Graph
 WATER = 1.333
 """Index of refraction of the film."""
 DIFFUSE = 0.066
-"""Share of light from all around that the film reflects from outside (Walsh 1926, for this index)."""
+"""Share of light from all around that the film reflects from outside: the mean of Fresnel's law for this index."""
 TRAPPED = 1 - (1 - DIFFUSE) / WATER**2
 """Share of scattered light that it throws back inside, p: 0.47."""
 SMOOTH = 0.08

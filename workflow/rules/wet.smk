@@ -24,7 +24,7 @@ rule wet:
         repairs=catalog.repairs("wet"),
         resume=resume_wet,
     message:
-        "What is wet of {wildcards.scene}, frames {params.frames}"
+        "Wetness of {wildcards.scene}, frames {params.frames}"
     shell:
         "exec {sys.executable:q} -m workflow.job"
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"

@@ -22,9 +22,14 @@ within the fluid, that surface is nearer than the support radius, about 3.5 edge
 but what is there is air in the water."""
 SURFACED = 1.0
 """How far below it a bubble has come up to it, likewise: it is foam then."""
-ALONG = 1e-7
-"""One minus the cosine between directions that are the same up to rounding to single precision: water that ends flush
-with a wall or body looks just where that does."""
+ALONG = 1e-9
+"""One minus the cosine between directions that are the same up to rounding: water that ends flush with a wall or body
+looks just where that does."""
+FREE = 0.3
+"""Share of its triangles by area, from which on a vertex is at the free surface: about half at the edge of a wall."""
+UP = 0.5
+"""Upward part of a normal, from which on that does not count: still water is as flat as a wall, and what it meets from
+below hides it."""
 SLIVER = 0.01
 """Area of a vertex, over that of a square on an edge, below which nothing is laid on it: all its triangles are slivers.
 """
@@ -89,16 +94,18 @@ def _areas(vertices: Any, triangles: Any) -> tuple[Any, float]:
 
 
 def _free(vertices: Any, normals: Any, triangles: Any) -> Any:
-    """Which vertices have a triangle that is not flush with what the water touches; shape [n]."""
+    """Which vertices are not flush with what the water touches; shape [n]."""
     import numpy as np
 
     corner = vertices[triangles]
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    area = np.linalg.norm(across, axis=1)[:, None]
     along = np.einsum("ij,ikj->ik", across, normals[triangles])
-    length = np.linalg.norm(across, axis=1)[:, None] * np.linalg.norm(normals, axis=1)[triangles]
-    free = np.zeros(len(vertices), bool)
-    free[triangles[along < (1 - ALONG) * length]] = True
-    return free
+    flush = along > (1 - ALONG) * area * np.linalg.norm(normals, axis=1)[triangles]
+    flush_area, whole = (
+        np.bincount(triangles.ravel(), (area * share).ravel(), len(vertices)) for share in (flush, np.ones((1, 3)))
+    )
+    return (whole - flush_area > FREE * whole) | (normals[:, 1] > UP)
 
 
 def _nearest(places: Any, vertices: Any, normals: Any, counts: Any) -> tuple[Any, Any, Any]:
