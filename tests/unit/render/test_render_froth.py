@@ -147,7 +147,7 @@ def picture(folder, points, **settings) -> np.ndarray:
 
 
 def test_foam_is_seen_as_a_soft_layer(tmp_path):
-    """White all over where much floats, less where a fifth of that does, black without; other looks make balls of it."""
+    """White all over where much floats, less where there is a fifth, black without; other looks make balls of it."""
     dice = np.random.default_rng(1)
     many = dice.uniform(-0.1, 0.1, (6000, 3)) * (1, 0, 1) - (0.05, 0, 0)
     few = dice.uniform(-0.1, 0.1, (300, 3)) * (0.5, 0, 1) + (0.1, 0, 0)
