@@ -6,6 +6,7 @@ Nothing of it is lost: the integral of the density over the surface is the area 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from mathutils.kdtree import KDTree
@@ -64,10 +65,9 @@ def laid(water: TriangleMesh, cloud: TriangleMesh) -> tuple[TriangleMesh, Triang
     section = np.pi * np.asarray(cloud.columns["radius"], np.float64) ** 2
     here = np.bincount(nearest[floating], section[floating], len(vertices))
     density = _spread(here, area, triangles)
-    column = {FOAM: density.astype(np.float32)}
+    foamy = replace(water, columns=water.columns | {FOAM: density.astype(np.float32)})
     air = ~floating & ((kind == BUBBLE) | ((kind == FLOATING) & (depth > 0)))
-    others = (_chosen(cloud, which) for which in (~floating & ~air, air))
-    return TriangleMesh(water.columns | column, water.triangles, water.uv, water.material, water.turned), *others
+    return foamy, _chosen(cloud, ~floating & ~air), _chosen(cloud, air)
 
 
 def _points(source: TriangleMesh) -> Any:
