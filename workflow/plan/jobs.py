@@ -45,6 +45,10 @@ ENTRY = {
 """The module that each stage runs with `python -m`."""
 
 
+CLEAR = ("glass", "water")
+"""Looks of containers on which nobody sees that they are wet."""
+
+
 @dataclass(frozen=True)
 class Job:
     """One job: where its result goes, and all that the result depends on besides its inputs."""
@@ -198,13 +202,13 @@ class Plan:
         fluid, wetness = self.scene.simulation.fluid, self.scene.render.wetness
         if wetness is None or fluid is None:
             raise IndexError(f"{self.scene.name} has no `render.wetness`, so that nothing gets wet")
-        named = self.scene.render.named_bodies()
+        looks = self.scene.render.materials
         spec = WetJobSpec(
             drying_time=wetness.drying_time,
             particle_radius=fluid.particle_radius,
             fps=self.scene.simulation.fps,
             walls=self._walls,
-            vessels=tuple(sorted(set(named) & set(self._vessels))),
+            vessels=tuple(name for name in self._containers if name in looks and looks[name].type not in CLEAR),
         )
         return Job(
             stage="wet",
@@ -269,6 +273,12 @@ class Plan:
         from workflow.stages.surface.standing import standing_vessels
 
         return standing_vessels(self.scene.simulation)
+
+    @cached_property
+    def _containers(self) -> tuple[str, ...]:
+        from workflow.stages.surface.standing import standing_containers
+
+        return standing_containers(self.scene.simulation)
 
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)

@@ -173,3 +173,10 @@ def test_nothing_gets_wet_without_the_setting():
     made = plan(fluid=WATER, render={"wetness": {}})
     assert [job.folder for job in made.jobs("wet")] == [f"results/pond/standard/wet/{k:03d}" for k in range(4)]
     assert json.loads(made.job("wet").spec)["drying_time"] == 10
+
+
+def test_containers_that_show_it_get_wet():
+    looks = {"tub": {"type": "tiles"}, "tank": {"type": "glass"}}
+    tanks = {name: {"type": "box", "size": [2, 2, 2]} for name in ("tub", "tank", "undrawn")}
+    made = plan(fluid=WATER, containers=tanks, render={"wetness": {}, "materials": looks})
+    assert json.loads(made.job("wet").spec)["vessels"] == ["tub"]

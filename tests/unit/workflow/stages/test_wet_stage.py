@@ -91,6 +91,14 @@ def test_it_is_wet_where_a_drop_touches_and_nowhere_else(simulation, tmp_path):
     assert towel["wet"].tolist() == [0.0, 1.0, 0.0]
 
 
+def test_walls_of_containers_get_wet_from_inside(simulation, tmp_path):
+    """A drop on the floor of a box that is drawn wets that, as one on any mesh does, in the axes of the world."""
+    tank = trimesh.creation.box((4.0, 1.0, 4.0))
+    write_mesh(simulation / "container_tank.ply", np.add(tank.vertices, (0.0, 0.505, 0.0)), tank.faces[:, ::-1])
+    assert make(simulation, tmp_path / "out", spec={**SPEC, "vessels": ["tank"]}) == 0
+    assert nodes(points(tmp_path / "out", "container_tank", 2)) == corners((-1.005, 0.005, 0.013))
+
+
 def test_what_is_wet_dries_at_a_constant_rate(simulation, tmp_path):
     """A tenth of the drying time a frame, once the fluid is gone; to rounding of single precision."""
     assert make(simulation, tmp_path / "out") == 0
