@@ -11,6 +11,10 @@ UNITS: dict[Number, str] = {"speed": "m/s", "vorticity": "s^-1", "density": "kg/
 """Of those that are one number."""
 SHARE = "source_"
 """How the columns of `source` begin: one for each fluid body and emitter, as `source_tap`, its share of the fluid."""
+WET = "wet"
+"""Of cloth as drawn: how wet it is, from 0 to 1."""
+FOAM = "foam"
+"""Of the surface as drawn: cross-section of the foam that lies on it over its area [1]."""
 
 
 def columns_of(names: Iterable[Attribute], sources: Iterable[str]) -> Iterator[str]:

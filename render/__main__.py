@@ -62,7 +62,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
     start = time.perf_counter()
     spec = _load_spec(options.spec)
     out = _make_folder(options.out)
-    for folder in filter(None, (options.simulation, options.surface, options.foam)):
+    for folder in filter(None, (options.simulation, options.surface, options.foam, options.wet)):
         if not Path(folder).is_dir():
             raise Unusable(f"{folder} is not a folder")
     _refuse_spoiled(options)
@@ -71,6 +71,7 @@ def _render(options: argparse.Namespace, log: Path, scratch: Path) -> None:
         simulation=os.path.abspath(options.simulation),
         surface=os.path.abspath(options.surface) if options.surface else None,
         foam=os.path.abspath(options.foam) if options.foam else None,
+        wet=os.path.abspath(options.wet) if options.wet else None,
         first=options.frames.first,
         last=options.frames.last,
         out=str(out.resolve()),
@@ -126,6 +127,7 @@ def _refuse_spoiled(options: argparse.Namespace) -> None:
         options.simulation: ("cloth_", "body_", "container_", "bodies.csv", SOURCES, "summary.json"),
         options.surface: ("surface_",),
         options.foam: ("foam_",),
+        options.wet: ("wet_", "summary.json"),
     }
     for folder, kinds in read.items():
         path = spoiled(Path(folder), kinds, options.frames) if folder else None
@@ -181,6 +183,7 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--simulation", required=True, metavar="DIR", help="folder that the simulation wrote")
     parser.add_argument("--surface", metavar="DIR", help="folder of the water's surfaces; left out for a dry scene")
     parser.add_argument("--foam", metavar="DIR", help="folder of its foam; left out for a scene without")
+    parser.add_argument("--wet", metavar="DIR", help="folder of what is wet; left out where nothing shows it")
     parser.add_argument(
         "--frames", required=True, type=frame_range, metavar="A:B", help="first and last, both included"
     )

@@ -69,6 +69,7 @@ class Inputs:
     simulation: Path
     surface: Path | None
     foam: Path | None = None
+    wet: Path | None = None
 
     def extent(self) -> Box:
         """The box of the action over the whole film; raises Unusable without it."""
@@ -124,6 +125,24 @@ class Inputs:
     def bubbles(self, frame: int) -> Path | None:
         """Foam, spray and bubbles of a frame; None for a scene without."""
         return None if self.foam is None else self.foam / f"foam_{frame:05d}.ply"
+
+    def wetness(self, part: str, frame: int) -> Path | None:
+        """What is wet of a part in a frame, as `body_NAME`; None where it is not there then, or nothing is wet."""
+        path = None if self.wet is None else self.wet / f"wet_{part}_{frame:05d}.ply"
+        return path if path is not None and path.exists() else None
+
+    def wet_lattice(self) -> tuple[float, list[float]]:
+        """Cell of the lattice of what is wet, and heights of the floors [m]; raises Unusable without them."""
+        path = self.wet / "summary.json" if self.wet is not None else Path("summary.json")
+        try:
+            summary = json.loads(path.read_text())
+            cell, floors = float(summary["cell"]), [float(height) for height in summary["floors"]]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            what = f"{path} does not say the cell and the floors of what is wet"
+            raise Unusable(f"{what}\n  fix: delete its folder, and make it anew") from error
+        if not cell > 0:
+            raise Unusable(f"{path}: the cell must be positive, found {cell} m")
+        return cell, floors
 
     def poses(self, frames: Iterable[int]) -> dict[int, dict[str, Pose]]:
         """Where the rigid bodies are, by frame and name; a body without a row is absent."""

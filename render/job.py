@@ -28,6 +28,7 @@ class Job:
     log: str
     """File that takes what Blender prints."""
     foam: str | None = None
+    wet: str | None = None
     fps: float = 24.0
     """Frames per simulated second [Hz]."""
     threads: int | None = None

@@ -14,11 +14,11 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from render.camera_settings import Camera, camera_is_there, changed
 from render.color import Color, srgb
-from render.looks.spec import Look, Matte, Water
+from render.looks.spec import FoamLook, Look, Matte, Water
 from render.sets import Set, with_set
 from render.texturing.spec import Fraction, Picture, Place, images_of
 from scene.settings import Name, Settings
-from scene.units import Angle, Dimensionless, Length, Position, PositiveLength, Unit
+from scene.units import Angle, Dimensionless, Length, Position, PositiveDuration, PositiveLength, Unit
 
 Pixels = Annotated[int, Ge(16), Le(16384)]
 Irradiance = Annotated[float, Ge(0), Le(1e6), Unit("W/m^2")]
@@ -27,6 +27,10 @@ Power = Annotated[float, Ge(0), Le(1e9), Unit("W")]
 
 def _water_unless_told(value: Any) -> Any:
     return {"type": "water", **value} if isinstance(value, dict) else value
+
+
+def _foam_unless_told(value: Any) -> Any:
+    return {"type": "foam", **value} if isinstance(value, dict) else value
 
 
 class Sun(Settings):
@@ -165,6 +169,15 @@ class Walls(Settings):
     without it, a quarter of the thickness."""
 
 
+class Wetness(Settings):
+    """What fluid has touched is darker and shines until it is dry."""
+
+    drying_time: PositiveDuration = 10.0
+    """In which what is wet dries, once the fluid has gone [s]. In a room it takes many minutes, so that nothing would
+    dry within a film; 10 s leave all wet for as long as the fluid splashes, and let it be seen to dry in longer
+    shots."""
+
+
 class RenderSpec(Settings):
     """Everything that the pictures depend on, apart from what is in them."""
 
@@ -221,8 +234,11 @@ class RenderSpec(Settings):
     ground: Ground = Ground()
     water: Annotated[Look, BeforeValidator(_water_unless_told)] = Water()
     """Look of the fluid; `type` may be left out for water."""
-    foam: Look = Matte(type="matte", color=srgb("#f3f7f9"))
-    """Look of foam, spray and bubbles, where the scene has them."""
+    foam: Annotated[FoamLook | Look, Field(discriminator="type"), BeforeValidator(_foam_unless_told)] = FoamLook()
+    """Look of foam, spray and bubbles, where the scene has them; `type` may be left out for foam."""
+    wetness: Wetness | None = None
+    """Bodies, cloth, the ground and containers that `materials` names are wet where fluid has been; none if left out,
+    `wetness: {}` for all defaults. Clear things show nothing of it."""
     walls: Walls = Walls()
     materials: dict[Name, Look] = Field(default_factory=dict)
     """Looks of bodies, sheets and containers by name; a container that is not named is not drawn."""

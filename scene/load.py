@@ -221,6 +221,9 @@ def _check_across_stages(scene: Scene) -> None:
     found = resolve(scene.simulation)
     if scene.foam is not None and scene.simulation.fluid is None:
         raise Refused("the scene has no fluid that could foam", location=("foam",), remedy="remove it, or add a fluid")
+    if scene.render.wetness is not None and scene.simulation.fluid is None:
+        message = "the scene has no fluid that could wet anything"
+        raise Refused(message, location=("render", "wetness"), remedy="remove it, or add a fluid")
     if scene.render.background.type == "transparent":
         scene.film.refuse_opaque()
     _check_attributes(scene)

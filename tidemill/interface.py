@@ -126,7 +126,7 @@ def _attributes(scene: Scene, frame: Frame, surface: Surface) -> dict[str, np.nd
 
 def render(scene: Scene, frame: Frame, out: Path | str, surface: Surface | None = None) -> Path:
     """Draw a frame into `out`, a PNG, and return its path. The surface is made where it is not given; foam is not
-    drawn. Raises RenderFailed."""
+    drawn, nor what is wet. Raises RenderFailed."""
     spec = Plan(scene, HOME).job("render").spec
     with TemporaryDirectory(prefix="tidemill-") as name:
         words = ["--spec", "-", "--simulation", str(frame.folder), "--frames", f"{frame.number}:{frame.number}"]

@@ -40,6 +40,7 @@ def run(
     simulation: Sequence[Path] = (),
     surface: Sequence[Path] = (),
     foam: Sequence[Path] = (),
+    wet: Sequence[Path] = (),
 ) -> None:
     """Write the folder of a film; raises Refused where a frame is missing or a picture cannot be used."""
     watch = Stopwatch()
@@ -55,7 +56,7 @@ def run(
     with watch.phase("check"):
         refuse_spoiled(blocks, "", frames=range(spec.last_frame + 1))
         refuse_spoiled(simulation, *tables.TABLES, "summary.json")
-        refuse_spoiled([*surface, *foam], "summary.json")
+        refuse_spoiled([*surface, *foam, *wet], "summary.json")
     rendered = _frames(blocks, spec.last_frame)
     size = _common_size(rendered)
     with watch.phase("copy"):
@@ -88,7 +89,7 @@ def run(
         if copy is not None:
             copy.parent.mkdir(parents=True, exist_ok=True)
             write_whole(copy, lambda path: shutil.copyfile(video, path))
-    stages = {"simulate": simulation, "reconstruct": surface, "foam": foam, "render": blocks}
+    stages = {"simulate": simulation, "reconstruct": surface, "foam": foam, "wet": wet, "render": blocks}
     summary = summaries.merged(stages, steps if steps.exists() else None)
     summary["versions"]["imageio-ffmpeg"] = version("imageio-ffmpeg")
     summary["wall_s"]["film"] = watch.report()
@@ -160,6 +161,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--simulation", **folders, help="folders of the simulation, in order: tables and figures")
     parser.add_argument("--surface", **folders, help="folders of the surface, in order: volume and times")
     parser.add_argument("--foam", **folders, help="folders of the foam, in order: times")
+    parser.add_argument("--wet", **folders, help="folders of what is wet, in order: times")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="folder for the film")
     given = parser.parse_args(argv)
 
@@ -173,6 +175,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             simulation=given.simulation,
             surface=given.surface,
             foam=given.foam,
+            wet=given.wet,
         )
 
     return exit_code(work, "film")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 COMMAND = "python -m workflow.status"
-STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "render": "frames"}
+STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "wet": "wet", "render": "frames"}
 """Stages that are made in parts, and the folders of their results."""
 REFRESH = 1.0
 """[s]"""

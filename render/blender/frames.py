@@ -25,7 +25,8 @@ def render_frames(job: Job, report: Report) -> dict[str, Any]:
     """
     log, watch = Path(job.log), Stopwatch()
     settings = plain(job.settings)
-    inputs = Inputs(Path(job.simulation), *(Path(folder) if folder else None for folder in (job.surface, job.foam)))
+    folders = (Path(folder) if folder else None for folder in (job.surface, job.foam, job.wet))
+    inputs = Inputs(Path(job.simulation), *folders)
     seconds: list[float] = []
     without_water: list[int] = []
     try:
@@ -78,7 +79,7 @@ def _render(to_file: bool) -> None:
 
 def _save_blend(path: Path) -> None:
     for image in bpy.data.images:
-        if image.source == "FILE" and image.packed_file is None:
+        if image.packed_file is None and (image.source == "FILE" or image.is_dirty):
             image.pack()
     try:
         check(bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), copy=True, compress=True), "saving the scene")

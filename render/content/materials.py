@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import zlib
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,10 +12,13 @@ from render.blender import versions
 from render.blender.session import bpy
 from render.content.nodes import Caustics, Graph, rgba
 from render.looks.simple import Known, load_simple
+from render.looks.wet import moisten, soaked
 from render.texturing.nodes import put_images
 
 PALETTE = ((0.82, 0.24, 0.11), (0.95, 0.69, 0.20), (0.16, 0.47, 0.44), (0.36, 0.32, 0.60), (0.79, 0.36, 0.47))
 """Colours (sRGB) of bodies and sheets without a look of their own, in turn."""
+Wet = Callable[[Graph], Any]
+"""The node output that says how wet a point of a surface is, from 0 to 1."""
 HUES = 0.25
 """Share of the circle of hues by which a full variation turns them, either way."""
 PLAIN = (0.894118, 0.341176, 0.180392)
@@ -31,10 +35,11 @@ def make_material(
     thick: bool = False,
     caustics: Caustics | None = None,
     known: Known = "all",
+    wet: Wet | None = None,
 ) -> Any:
     """A Blender material; `size` is the diagonal [m] of what it covers, `tinted` if its vertices have colours, `known`
     what its readers know of clear things. `rests` and `thick` are of sheets, as Graph has them. Without `caustics`
-    light passes straight through what is clear."""
+    light passes straight through what is clear. `wet` gives how wet a point is, from 0 to 1."""
     if getattr(look, "color", PLAIN) is None and not tinted:
         look = SimpleNamespace(**vars(look) | {"color": PLAIN})
     look = _varied(look, name)
@@ -44,6 +49,8 @@ def make_material(
     put_images(graph, name, look)
     for key, value in vars(getattr(look, "principled", SimpleNamespace())).items():
         graph.override(key, rgba(value) if isinstance(value, list) else value)
+    if wet is not None and any(soaked(look)):
+        surface = moisten(graph, look, wet(graph), surface)
     output = graph.node("OutputMaterial", {"Surface": surface})
     if volume is not None:
         graph.feed(output, "Volume", volume)
@@ -73,14 +80,15 @@ def make_materials(
     *,
     caustics: Caustics | None = None,
     known: Known = "all",
+    wet: Wet | None = None,
 ) -> list[Any]:
     """The Blender materials of a body, by the numbers that its faces have: one, or those of its mesh file and, last,
     what faces without any have. `tinted`, `caustics` and `known` are as in `make_material`."""
     if look.type != "imported":
-        return [make_material(name, look, size, tinted=tinted, caustics=caustics, known=known)]
+        return [make_material(name, look, size, tinted=tinted, caustics=caustics, known=known, wet=wet)]
     parts = [SimpleNamespace(**vars(part) | {"type": look.type, "owner": name}) for part in look.materials]
     own = [(f"{name} {part.name}".rstrip(), part) for part in parts]
-    kinds: dict[str, Any] = {"tinted": tinted, "caustics": caustics, "known": known}
+    kinds: dict[str, Any] = {"tinted": tinted, "caustics": caustics, "known": known, "wet": wet}
     return [make_material(label, part, size, **kinds) for label, part in [*own, (name, otherwise)]]
 
 

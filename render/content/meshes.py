@@ -6,7 +6,7 @@ import math
 from array import array
 from typing import Any
 
-from common.attributes import attributes_among
+from common.attributes import FOAM, WET, attributes_among
 from render.blender import versions
 from render.blender.session import bpy
 from render.content.axes import z_up_columns
@@ -48,7 +48,7 @@ def build_mesh(name: str, source: TriangleMesh) -> Any:
     if source.has(*COLOR_COLUMNS):
         tint = mesh.attributes.new(TINT, "FLOAT_COLOR", "POINT")
         tint.data.foreach_set("color", _light(*(columns[name] for name in COLOR_COLUMNS)))
-    for name in attributes_among(source.columns):
+    for name in (*attributes_among(source.columns), *filter(source.has, (FOAM, WET))):
         mesh.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", source.columns[name])
     mesh.update(calc_edges=True)
     return mesh

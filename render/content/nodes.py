@@ -77,6 +77,15 @@ class Graph:
         else:
             socket.default_value = value
 
+    def given(self, node: Any, key: str) -> Any:
+        """The output that an input of a node is linked to, or a new one with its value."""
+        socket = versions.input_named(node, key)
+        if socket.links:
+            return socket.links[0].from_socket
+        source = self.node("RGB" if socket.type == "RGBA" else "Value").outputs[0]
+        source.default_value = socket.default_value
+        return source
+
     def feed_shaders(self, kinds: Sequence[str], keys: Sequence[str], value: Any) -> None:
         """Feed those of these inputs that shaders of these types have."""
         for node in [node for node in self.tree.nodes if node.type in kinds]:

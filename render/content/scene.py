@@ -13,21 +13,24 @@ from render.content.bodies import Body
 from render.content.camera import Camera
 from render.content.caustics import CausticsOfLamps, past_the_sun
 from render.content.changing.foam import Foam
+from render.content.changing.froth import laid
 from render.content.changing.meshes import MovingMesh
 from render.content.changing.sheets import Sheet
 from render.content.containers import add_container, wall_thickness
 from render.content.framing import view_of
 from render.content.lights import add_lights
-from render.content.materials import default_body_look, default_sheet_look, make_material, make_materials
+from render.content.materials import Wet, default_body_look, default_sheet_look, make_material, make_materials
 from render.content.meshes import COLOR_COLUMNS
 from render.content.nodes import Caustics
 from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_mesh
 from render.content.sets import add_set
-from render.content.sets.ground import add_ground
+from render.content.sets.ground import add_ground, surface_of
 from render.content.sets.site import Site
+from render.content.wetness import Wetness
 from render.content.world import add_world
 from render.errors import Unusable
 from render.inputs import Box, Inputs, Pose
+from render.looks.froth import cover
 from render.looks.simple import Known
 from render.texturing.nodes import places
 
@@ -36,6 +39,10 @@ SUNK = 0.002
 without a film of air, which would mirror."""
 SUNK_BESIDE_CLOTH = 0.5
 """Likewise at most, over the height at which the middle of cloth lies on the ground: it hides no cloth."""
+
+
+WATER = 1.333
+"""Index of refraction around bubbles, where the look of the water has none."""
 
 
 class Scene:
@@ -53,19 +60,25 @@ class Scene:
         self.box = inputs.extent()
         self._bodies: dict[str, Body] = {}
         self._moving_meshes: dict[str, MovingMesh] = {}
+        self._wetness = Wetness(inputs, self.box) if inputs.wet and known == "all" else None
         self._add_surroundings(self._add_containers())
         self._add_bodies()
         self._add_moving_meshes()
-        self._foam = self._make_foam() if inputs.foam and known == "all" else None
+        self._foams = self._make_foams() if inputs.foam and known == "all" else {}
         self._caustics = CausticsOfLamps(self.box.diagonal) if settings.caustics else None
         self._camera.take_along()
 
     def read(self, frame: int) -> dict[str, TriangleMesh | None]:
-        """What `read_meshes` gives, and foam where there is some."""
+        """What `read_meshes` gives, and where there are some, foam, on the water and, by the names of their objects,
+        what is drawn as balls; and how wet all is."""
         meshes = self.read_meshes(frame)
-        bubbles = self.inputs.bubbles(frame)
-        if bubbles is not None:
-            meshes["foam"] = read_cloud(bubbles)
+        if self._wetness is not None:
+            meshes = self._wetness.read(meshes, frame)
+        path, water = self.inputs.bubbles(frame), meshes.get("water")
+        if path is not None:
+            meshes["foam"] = read_cloud(path)
+        if path is not None and water is not None and self._froths:
+            meshes["water"], meshes["foam"], meshes["bubbles"] = laid(water, read_cloud(path))
         return meshes
 
     def read_meshes(self, frame: int) -> dict[str, TriangleMesh | None]:
@@ -83,9 +96,12 @@ class Scene:
             body.show(poses.get(name), frame, exposure, self.fps)
         for name, moving in self._moving_meshes.items():
             moving.show(meshes[name])
-        foam = meshes.get("foam")
-        if self._foam is not None and foam is not None:
-            self._foam.show(foam)
+        for name, foam in self._foams.items():
+            points = meshes.get(name)
+            if points is not None:
+                foam.show(points)
+        if self._wetness is not None:
+            self._wetness.show(meshes)
         bpy.context.scene.frame_set(frame)
         if self._caustics is not None:
             self._caustics.show()
@@ -110,16 +126,16 @@ class Scene:
     def sampled(self) -> list[Any]:
         """The objects that have another mesh in every frame."""
         things = [moving.thing for moving in self._moving_meshes.values()]
-        return things + ([self._foam.thing] if self._foam else [])
+        return things + [foam.thing for foam in self._foams.values()]
 
     def bodies(self) -> dict[str, Any]:
         """The objects of the bodies by name."""
         return {name: body.thing for name, body in self._bodies.items()}
 
-    def make_material(self, name: str, look: Any) -> Any:
+    def make_material(self, name: str, look: Any, wet: Wet | None = None) -> Any:
         """A material of water, and of all that may be around it."""
         caustics = past_the_sun(self.settings.lights.sun) if self.settings.caustics else None
-        return make_material(name, look, self.box.diagonal, caustics=caustics, known=self._known)
+        return make_material(name, look, self.box.diagonal, caustics=caustics, known=self._known, wet=wet)
 
     def _look(self, name: str, default: Any) -> Any:
         return getattr(self.settings.materials, name, default)
@@ -137,20 +153,21 @@ class Scene:
         if not settings.ground.enabled:
             return
         height = self._ground(visible)
+        wet = None if self._wetness is None else self._wetness.of_floor(height, settings.ground.material)
         if settings.set == "none":
-            ground = add_ground(settings.ground, height, self.box, view, self._known)
+            ground = add_ground(settings.ground, height, self.box, view, self._known, wet)
             ground.is_shadow_catcher = settings.background.type == "transparent"
         else:
-            add_set(settings.set, self._site(visible, height))
+            add_set(settings.set, self._site(visible, height, wet))
 
-    def _site(self, visible: Box, height: float) -> Site:
+    def _site(self, visible: Box, height: float, wet: Wet | None) -> Site:
         """Where the set stands, with room for the camera wherever it goes."""
         settings = self.settings
         times = [key.at for key in settings.camera.keyframes] or [0.0]
         x, y, _ = visible.center
         cameras = (view_of(settings.camera, visible, settings.resolution, time).position for time in times)
         reach = max(visible.diagonal, *(math.dist(place, (x, y, height)) for place in cameras))
-        return Site(visible, height, reach, settings.ground.material, self._basin(), self._known)
+        return Site(visible, height, reach, settings.ground.material, self._basin(), self._known, wet)
 
     def _basin(self) -> Box | None:
         """The box around containers that are not drawn, where each is a box itself."""
@@ -179,7 +196,8 @@ class Scene:
             look = self._look(name, None)
             if look is not None:
                 inner = read_mesh(path)
-                add_container(name, inner, self.settings.walls, self.make_material(name, look), size)
+                material = self.make_material(name, look, self._wet_of(f"container_{name}", inner, look))
+                add_container(name, inner, self.settings.walls, material, size)
                 visible = visible.joined(_bounds(inner).grown(wall_thickness(self.settings.walls, size)))
         return visible
 
@@ -191,7 +209,9 @@ class Scene:
             look = self._look(name, otherwise)
             caustics = Caustics() if self.settings.caustics else None
             size = _bounds(source).diagonal
-            materials = make_materials(name, look, size, tinted, otherwise, caustics=caustics, known=self._known)
+            wet = self._wet_of(f"body_{name}", source, look)
+            kinds: dict[str, Any] = {"caustics": caustics, "known": self._known, "wet": wet}
+            materials = make_materials(name, look, size, tinted, otherwise, **kinds)
             rounding = getattr(look, "rounding", 0.0)
             self._bodies[name] = Body(name, source, *materials, uv=places(name, source, look), rounding=rounding)
 
@@ -201,10 +221,34 @@ class Scene:
         for index, name in enumerate(self.inputs.sheets()):
             look = self._look(name, default_sheet_look(index))
             first = read_mesh(self.inputs.first_of_sheet(name))
-            self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal, self._known)
+            wet = self._wetness is not None
+            self._moving_meshes["cloth_" + name] = Sheet(name, look, first, self.box.diagonal, self._known, wet)
 
-    def _make_foam(self) -> Foam:
-        return Foam(self.make_material("foam", self.settings.foam), meshes="motion" in self.settings.passes)
+    def _wet_of(self, part: str, source: TriangleMesh, look: Any) -> Wet | None:
+        return None if self._wetness is None else self._wetness.of(part, source, look)
+
+    @property
+    def _froths(self) -> bool:
+        """Whether foam lies on the water as a layer."""
+        return self.settings.foam.type == "foam" and self.inputs.surface is not None
+
+    def foam_look(self) -> Any:
+        """Of what is drawn as balls."""
+        look = self.settings.foam
+        return SimpleNamespace(type="matte", color=look.color) if look.type == "foam" else look
+
+    def _make_foams(self) -> dict[str, Foam]:
+        """What is drawn as balls, by the names of the objects; water gets its layer of foam."""
+        looks = {"foam": self.foam_look()}
+        if self._froths:
+            material = self._moving_meshes["water"].thing.material_slots[0].material
+            graph, output, shader = surface_of(material)
+            graph.feed(output, "Surface", cover(graph, self.settings.foam, self.box.diagonal, shader))
+            ior = getattr(self.settings.water, "ior", WATER)
+            build = "render.looks.froth:bubble"
+            looks["bubbles"] = SimpleNamespace(type="bubble", build=build, color=self.settings.foam.color, ior=ior)
+        meshes = "motion" in self.settings.passes
+        return {name: Foam(self.make_material(name, look), meshes, name) for name, look in looks.items()}
 
 
 def _bounds(source: TriangleMesh) -> Box:

@@ -72,7 +72,7 @@ class Cloud:
 
 def clouds_of(scene: Scene, job: Job) -> tuple[Cloud, ...]:
     """The points of a job's animation."""
-    looks = {"foam": scene.settings.foam, "particles": PARTICLES}
+    looks = {"foam": scene.foam_look(), "particles": PARTICLES}
     return tuple(
         replace(cloud, material=scene.make_material(cloud.name, looks[cloud.name])) for cloud in bare_clouds(job)
     )

@@ -6,7 +6,7 @@ from functools import reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from annotated_types import Ge, Le
+from annotated_types import Ge, Gt, Le
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import core_schema
 
@@ -35,6 +35,21 @@ class Water(Settings):
     """Index of refraction."""
     roughness: Fraction = 0.0
     """0 is a mirror-smooth surface."""
+
+
+class FoamLook(Settings):
+    """Foam as it is: what floats is a soft layer on the water, bubbles are air in it, spray is drops. Any other look
+    makes balls of all three."""
+
+    type: Literal["foam"] = "foam"
+    color: Color = srgb("#f3f7f9")
+    """Of the layer and the drops."""
+    cover: Annotated[Dimensionless, Gt(0), Le(1000)] = 6.0
+    """Area of water that a floating particle hides, over its cross-section: it stands for many smaller ones. Where they
+    overlap, they hide less."""
+    cell: PositiveLength | None = None
+    """Size of the patches into which the layer breaks [m]; without it, four thousandths of the diagonal of the box of
+    the action."""
 
 
 PRINCIPLED_COLORS = ("Base Color", "Specular Tint", "Coat Tint", "Sheen Tint", "Emission Color")

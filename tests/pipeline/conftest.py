@@ -46,7 +46,7 @@ f 2 4 3
 """
 STAGES = {
     **{"Simulate": "simulate", "Reconstruct": "reconstruct", "Render": "render", "Film": "film", "Foam": "foam"},
-    **{"Trial": "trial", "Study": "study", "Wedge": "wedge"},
+    **{"Wetness": "wet", "Trial": "trial", "Study": "study", "Wedge": "wedge"},
 }
 
 

@@ -91,6 +91,10 @@ def _loop(pictures: Sequence[Path], out: Path, fps: float) -> None:
     write_whole(out, lambda partial: first.save(partial, "WEBP", save_all=True, append_images=others, **settings))
 
 
+READ = {"--simulation": "simulate", "--surface": "reconstruct", "--foam": "foam", "--wet": "wet"}
+"""Stages whose results pictures show, by the options of the render stage."""
+
+
 def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
     """One frame, rendered larger from the files of a film; returns the record of it."""
     from PIL import Image
@@ -98,7 +102,7 @@ def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
     index = next(k for k, job in enumerate(plan.jobs("simulate")) if job.frames.first <= frame <= job.frames.last)
     settings = json.dumps({**json.loads(plan.job("render").spec), **LARGE})
     words = ["--spec", "-", "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
-    for option, stage in (("--simulation", "simulate"), ("--surface", "reconstruct"), ("--foam", "foam")):
+    for option, stage in READ.items():
         if plan.parts(stage):
             job = plan.job(stage, index)
             _require(job, f"snakemake --cores 2 {job.folder}")

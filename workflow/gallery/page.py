@@ -8,7 +8,7 @@ from typing import Any
 
 from workflow.gallery.shots import FOLDER, Shot, Shots
 
-STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "render": "pictures"}
+STAGES = {"simulate": "simulation", "reconstruct": "surface", "foam": "foam", "wet": "wetness", "render": "pictures"}
 
 
 def page(shots: Shots, root: Path) -> str:

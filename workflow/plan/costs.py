@@ -27,7 +27,8 @@ def measured(scene: Scene, overrides: Sequence[str]) -> list[Line]:
 def costs(scene: Scene) -> list[Line]:
     """Memory of the jobs, the size of the particles' files, and what the last film took, if there is one."""
     fluid = ["reconstruct"] if particles(scene) else []
-    stages = ["simulate", *fluid, *(["foam"] if scene.foam else []), "render"]
+    stages = ["simulate", *fluid, *(["foam"] if scene.foam else [])]
+    stages += [*(["wet"] if scene.render.wetness else []), "render"]
     memory = ", ".join(f"{stage} {estimate(stage, scene):,} MB" for stage in stages)
     found = [Line("memory", f"at most about {memory}")]
     count, frames = particles(scene), scene.last_frame + 1

@@ -29,6 +29,7 @@ from workflow.plan import additions, sources
 from workflow.plan.timeline import Timeline
 from workflow.stages.film.spec import FilmJobSpec
 from workflow.stages.surface.spec import ReconstructSpec
+from workflow.stages.wet.spec import WetJobSpec
 
 RESULTS = "results"
 FILMS = "renders"
@@ -37,10 +38,15 @@ ENTRY = {
     "simulate": "sim.segment",
     "reconstruct": "workflow.reconstruct",
     "foam": "workflow.foam",
+    "wet": "workflow.wet",
     "render": "render",
     "film": "workflow.film",
 }
 """The module that each stage runs with `python -m`."""
+
+
+CLEAR = ("glass", "water")
+"""Looks of containers on which nobody sees that they are wet."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,11 @@ class Plan:
         """Whether the scene asks for foam."""
         return self.scene.foam is not None
 
+    @property
+    def has_wetness(self) -> bool:
+        """Whether the scene asks for what is wet."""
+        return self.scene.render.wetness is not None
+
     def job(self, stage: str, index: int = 0) -> Job:
         """The job of a stage for a segment or block; raises IndexError where the film has no such part."""
         key = (stage, index)
@@ -108,7 +119,9 @@ class Plan:
             return 0
         if stage == "foam" and not self.has_foam:
             return 0
-        segments = dict.fromkeys(("simulate", "reconstruct", "foam"), self.timeline.segments)
+        if stage == "wet" and not self.has_wetness:
+            return 0
+        segments = dict.fromkeys(("simulate", "reconstruct", "foam", "wet"), self.timeline.segments)
         return {**segments, "render": self.timeline.blocks, "film": 1}[stage]
 
     def jobs(self, stage: str) -> list[Job]:
@@ -187,6 +200,29 @@ class Plan:
             upstream=(self.job("simulate", index).plan, *((self.job("foam", index - 1).plan,) if index else ())),
         )
 
+    def _wet(self, index: int) -> Job:
+        fluid, wetness = self.scene.simulation.fluid, self.scene.render.wetness
+        if wetness is None or fluid is None:
+            raise IndexError(f"{self.scene.name} has no `render.wetness`, so that nothing gets wet")
+        looks = self.scene.render.materials
+        spec = WetJobSpec(
+            drying_time=wetness.drying_time,
+            particle_radius=fluid.particle_radius,
+            fps=self.scene.simulation.fps,
+            walls=self._walls,
+            vessels=tuple(name for name in self._containers if name in looks and looks[name].type not in CLEAR),
+        )
+        return Job(
+            stage="wet",
+            folder=f"{self.results}/wet/{index:03d}",
+            frames=self.timeline.segment(index),
+            spec=spec.canonical(),
+            code=self._code("wet"),
+            versions=versions("libigl", "numpy", "scipy", "trimesh"),
+            assets=_assets({}, set()),
+            upstream=(self.job("simulate", index).plan, *((self.job("wet", index - 1).plan,) if index else ())),
+        )
+
     def _render(self, index: int) -> Job:
         frames = self.timeline.block(index)
         segment = self.timeline.segment_of_block(index)
@@ -203,7 +239,9 @@ class Plan:
 
     def _shown(self) -> tuple[str, ...]:
         """Stages whose results pictures show; the surface stands for the simulation that it was made from."""
-        return ("reconstruct" if self.has_surface else "simulate", *(("foam",) if self.has_foam else ()))
+        found = ["reconstruct" if self.has_surface else "simulate"]
+        found += ["foam"] * self.has_foam + ["wet"] * self.has_wetness
+        return tuple(found)
 
     def _film(self, _index: int) -> Job:
         scene = self.scene
@@ -237,6 +275,12 @@ class Plan:
         from workflow.stages.surface.standing import standing_vessels
 
         return standing_vessels(self.scene.simulation)
+
+    @cached_property
+    def _containers(self) -> tuple[str, ...]:
+        from workflow.stages.surface.standing import standing_containers
+
+        return standing_containers(self.scene.simulation)
 
     def _code(self, stage: str, materials: frozenset[str] = sources.MATERIALS) -> str:
         key = (ENTRY[stage], materials)

@@ -1,6 +1,7 @@
 segment = catalog.of("simulate")
 surface = catalog.of("reconstruct")
 foam = catalog.of("foam")
+wet = catalog.of("wet")
 block = catalog.of("render")
 film = catalog.of("film")
 
@@ -82,6 +83,26 @@ def previous_foam(wildcards):
 @with_signature
 def resume_foam(wildcards):
     folder = previous_foam(wildcards)
+    return ["--resume", folder] if folder else []
+
+
+@with_signature
+def fluid_of_wet(wildcards):
+    """The folder with the particles, bodies and cloth of a segment."""
+    catalog.job("wet", wildcards)
+    return plan(wildcards).job("simulate", int(wildcards.segment)).folder
+
+
+@with_signature
+def previous_wet(wildcards):
+    """The folder of what was wet that a segment goes on from; none for the first."""
+    index = int(wildcards.segment)
+    return plan(wildcards).job("wet", index - 1).folder if index else []
+
+
+@with_signature
+def resume_wet(wildcards):
+    folder = previous_wet(wildcards)
     return ["--resume", folder] if folder else []
 
 

@@ -4,6 +4,7 @@ rule film:
         simulation=all_parts("simulate"),
         surface=all_parts("reconstruct"),
         foam=all_parts("foam"),
+        wet=all_parts("wet"),
     output:
         folder=report(
             directory("renders/{scene}"),
@@ -39,4 +40,4 @@ rule film:
         " --failed results/{wildcards.scene:q}/failed/film"
         " -- {sys.executable:q} -m workflow.film --spec {params.spec:q} --frames-from {input.frames:q}"
         " --simulation {input.simulation:q} --surface {input.surface:q}"
-        " --foam {input.foam:q} --out @OUT"
+        " --foam {input.foam:q} --wet {input.wet:q} --out @OUT"

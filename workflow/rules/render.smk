@@ -3,6 +3,7 @@ rule render:
         simulation=segment_of_block("simulate"),
         surface=segment_of_block("reconstruct"),
         foam=segment_of_block("foam"),
+        wet=segment_of_block("wet"),
     output:
         folder=part("results/{scene}/{quality}/frames/{block}"),
     log:
@@ -26,6 +27,7 @@ rule render:
         repairs=catalog.repairs("render"),
         surface=folder_option("--surface", "reconstruct"),
         foam=folder_option("--foam", "foam"),
+        wet=folder_option("--wet", "wet"),
     message:
         "Render {wildcards.scene}, frames {params.frames}"
     shell:
@@ -33,5 +35,5 @@ rule render:
         " --output {output.folder:q} --log {log:q} --plan {params.plan:q}"
         " --attempt {resources.attempt} --scratch={resources.scratch:q}"
         " --failed results/{wildcards.scene:q}/{wildcards.quality}/failed/frames/{wildcards.block}"
-        " -- {sys.executable:q} -m render --spec {params.spec:q} --simulation {input.simulation:q} {params.surface:q} {params.foam:q}"
+        " -- {sys.executable:q} -m render --spec {params.spec:q} --simulation {input.simulation:q} {params.surface:q} {params.foam:q} {params.wet:q}"
         " --frames {params.frames} --fps {params.fps} --out @OUT --threads {threads}"

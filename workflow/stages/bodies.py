@@ -43,14 +43,18 @@ class Bodies:
     def solids(self, frame: int, vessels: Sequence[str] = ()) -> list[Solid]:
         """The bodies of a frame, by their names, and the vessels, which stay where they are; without half-spaces, which
         have no mesh."""
+        return [*self.named_solids(frame, vessels).values()]
+
+    def named_solids(self, frame: int, vessels: Sequence[str] = ()) -> dict[str, Solid]:
+        """Likewise, by the names of their files without the ending."""
         from workflow.stages.surface.solids import Solid
 
         there = self._motions.get(frame, {})
-        found = []
+        found = {}
         for name in sorted(there.keys() & self._meshes.keys()):
             motion = there[name]
-            found.append(Solid(self._solid(name), motion.position, motion.rotation.as_matrix()))
-        return found + [Solid(self._vessel(name), np.zeros(3), np.eye(3)) for name in vessels]
+            found[f"body_{name}"] = Solid(self._solid(name), motion.position, motion.rotation.as_matrix())
+        return found | {f"container_{name}": Solid(self._vessel(name), np.zeros(3), np.eye(3)) for name in vessels}
 
     def _solid(self, name: str) -> Body:
         return self._mesh(self._meshes[name])

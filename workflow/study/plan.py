@@ -63,6 +63,8 @@ class StudyPlan:
             found["--surface"] = plan.job("reconstruct", segment).folder
         if self.study.stage == "render" and plan.has_foam:
             found["--foam"] = plan.job("foam", segment).folder
+        if self.study.stage == "render" and plan.has_wetness:
+            found["--wet"] = plan.job("wet", segment).folder
         return found
 
     def command(self, name: str) -> list[str]:

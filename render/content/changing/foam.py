@@ -19,14 +19,15 @@ RADIUS = "foam_radius"
 class Foam:
     """One object whose points change from frame to frame."""
 
-    def __init__(self, material: Any, meshes: bool):
+    def __init__(self, material: Any, meshes: bool, name: str = "foam"):
+        self._name = name
         self._balls = _balls(material, meshes)
-        self.thing = self.add("foam", bpy.data.meshes.new("foam"))
+        self.thing = self.add(name, bpy.data.meshes.new(name))
 
     def show(self, source: TriangleMesh) -> None:
         """Have these points: x, y, z [m], radius [m] and vx, vy, vz [m/s], which Cycles takes for motion blur."""
         old = self.thing.data
-        self.thing.data = build_points("foam", source)
+        self.thing.data = build_points(self._name, source)
         self.thing.hide_render = source.vertex_count() == 0
         bpy.data.meshes.remove(old)
 

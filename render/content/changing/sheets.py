@@ -9,12 +9,13 @@ from typing import Any
 from mathutils import Vector
 from mathutils.kdtree import KDTree
 
+from common.attributes import WET
 from render.blender import versions
 from render.content.axes import z_up_columns
 from render.content.changing.curved import curved
 from render.content.changing.meshes import MovingMesh
 from render.content.materials import make_material
-from render.content.nodes import REST, RIM
+from render.content.nodes import REST, RIM, Graph
 from render.content.ply import TriangleMesh, max_of, min_of
 from render.errors import Unusable
 from render.looks.simple import Known
@@ -26,13 +27,16 @@ REST_COLUMNS = ("rest_x", "rest_y", "rest_z")
 
 
 class Sheet(MovingMesh):
-    """A sheet of cloth; `first` is its mesh in any frame, `action` the diagonal of the action's box [m]. Files for
-    other programs have the triangles of the simulation, Blender has them curved.
+    """A sheet of cloth; `first` is its mesh in any frame, `action` the diagonal of the action's box [m]. If `wet`,
+    meshes may have a column of that name. Files for other programs have the triangles of the simulation, Blender has
+    them curved.
 
     Raises Unusable for what its look has and files of old do not hold.
     """
 
-    def __init__(self, name: str, look: Any, first: TriangleMesh, action: float, known: Known = "all"):
+    def __init__(
+        self, name: str, look: Any, first: TriangleMesh, action: float, known: Known = "all", wet: bool = False
+    ):
         thick = drawn_thickness(look, first) is not None
         size = rest_size(first) or action
         back = getattr(look, "back", None)
@@ -44,7 +48,7 @@ class Sheet(MovingMesh):
         sides = [(name, look)]
         if back is not None:
             sides.append((f"{name} back", SimpleNamespace(**vars(look) | {"color": back})))
-        kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick, "known": known}
+        kinds: dict[str, Any] = {"rests": has_rest(first), "thick": thick, "known": known, "wet": _wet if wet else None}
         super().__init__("cloth_" + name, *(make_material(side, its, size, **kinds) for side, its in sides))
         self._look = look
         self._curved = known == "all"
@@ -62,6 +66,10 @@ class Sheet(MovingMesh):
 
     def finish(self, thing: Any, source: TriangleMesh) -> None:
         thicken(thing, drawn_thickness(self._look, source), two_sided=len(self._materials) > 1)
+
+
+def _wet(graph: Graph) -> Any:
+    return graph.node("Attribute", attribute_name=WET).outputs["Fac"]
 
 
 def has_rest(source: TriangleMesh) -> bool:

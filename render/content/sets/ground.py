@@ -8,7 +8,7 @@ from typing import Any
 from render.blender.session import bpy
 from render.content.axes import Vector
 from render.content.framing import View
-from render.content.materials import make_material
+from render.content.materials import Wet, make_material
 from render.content.meshes import add_object
 from render.content.nodes import Graph
 from render.content.sets.images import lay_images
@@ -19,11 +19,11 @@ NEAR, FAR = 1.5, 9.0
 """Where the ground begins to fade and where it is gone, over the camera's distance from the action's centre."""
 
 
-def add_ground(settings: Any, height: float, box: Box, view: View, known: Known = "all") -> Any:
-    """Add the ground at a height [m] below the box of the action; returns the object."""
+def add_ground(settings: Any, height: float, box: Box, view: View, known: Known = "all", wet: Wet | None = None) -> Any:
+    """Add the ground at a height [m] below the box of the action; returns the object. `wet` as materials have it."""
     x, y, _ = box.center
     reach = max(box.diagonal, math.dist(view.position, (x, y, height)))
-    material = make_material("ground", settings.material, box.diagonal, known=known)
+    material = make_material("ground", settings.material, box.diagonal, known=known, wet=wet)
     plain = add_plain(material, (x, y, height), reach, known)
     lay_images(plain, settings.material, box.diagonal)
     return plain

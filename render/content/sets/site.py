@@ -7,7 +7,7 @@ from typing import Any
 
 from render.blender.session import bpy
 from render.content.axes import Vector
-from render.content.materials import make_material
+from render.content.materials import Wet, make_material
 from render.content.meshes import add_object
 from render.content.sets.images import lay_images
 from render.inputs import Box
@@ -30,6 +30,8 @@ class Site:
     """Around the containers of which no wall is drawn."""
     known: Known = "all"
     """What its readers know of clear things."""
+    wet: Wet | None = None
+    """Says how wet the ground is."""
 
     @property
     def size(self) -> float:
@@ -49,7 +51,8 @@ class Site:
 
     def material(self, name: str, look: Any = None) -> Any:
         """A material of the set; without a look, that of the ground."""
-        return make_material(name, look or self.look, self.size, known=self.known)
+        wet = self.wet if name == "ground" else None
+        return make_material(name, look or self.look, self.size, known=self.known, wet=wet)
 
     def lay(self, thing: Any) -> None:
         """Lay the images of the look on an object that has it."""

@@ -24,8 +24,13 @@ def standing_walls(spec: SimulationSpec) -> tuple[Wall, ...]:
 
 def standing_vessels(spec: SimulationSpec) -> tuple[str, ...]:
     """Names of containers with a mesh of their own that no event removes or changes."""
+    return tuple(name for name in standing_containers(spec) if isinstance(spec.containers[name], MeshContainer))
+
+
+def standing_containers(spec: SimulationSpec) -> tuple[str, ...]:
+    """Names of all containers that no event removes or changes."""
     current = spec.model_copy(update={"events": ()})
-    left = {name: one for name, one in current.containers.items() if isinstance(one, MeshContainer)}
+    left = dict(current.containers)
     for index, event in enumerate(spec.events):
         current = apply(current, event, index)
         left = {name: one for name, one in left.items() if current.containers.get(name) == one}

@@ -49,7 +49,7 @@ def plan(**settings) -> Plan:
 
 def changed(before: Plan, after: Plan) -> set[str]:
     """Names of the jobs whose plan differs, or that are new."""
-    stages = ("simulate", "reconstruct", "foam", "render", "film")
+    stages = ("simulate", "reconstruct", "foam", "wet", "render", "film")
     old = {job.folder: job.plan for stage in stages for job in before.jobs(stage)}
     new = {job.folder: job.plan for stage in stages for job in after.jobs(stage)}
     return {name for name, digest in new.items() if old.get(name) != digest}
@@ -179,3 +179,27 @@ def test_a_palette_repeats_no_surface():
     water = [{"type": "palette", "colors": {"block": color}} for color in ("#ff0000", "#00ff00")]
     before, after = (plan(fluid=WATER, surface={"attributes": ["source"]}, render={"water": look}) for look in water)
     assert {name.split("/")[-2] for name in changed(before, after)} == {"frames", "renders"}
+
+
+def test_drying_changes_what_is_wet_pictures_and_film_alone():
+    slow, fast = ({"wetness": {"drying_time": seconds}} for seconds in (10, 2))
+    found = changed(plan(fluid=WATER, render=slow), plan(fluid=WATER, render=fast))
+    assert {folder.split("/")[-2] for folder in found} == {"wet", "frames", "renders"}
+    found = changed(plan(fluid=WATER, render=slow), plan(fluid=WATER, render=slow, surface={"cube_size": 0.9}))
+    assert {folder.split("/")[-2] for folder in found} == {"surface", "frames", "renders"}
+
+
+def test_nothing_gets_wet_without_the_setting():
+    with pytest.raises(IndexError, match=r"has no `render\.wetness`"):
+        plan(fluid=WATER).job("wet")
+    assert plan(fluid=WATER).jobs("wet") == []
+    made = plan(fluid=WATER, render={"wetness": {}})
+    assert [job.folder for job in made.jobs("wet")] == [f"results/pond/standard/wet/{k:03d}" for k in range(4)]
+    assert json.loads(made.job("wet").spec)["drying_time"] == 10
+
+
+def test_containers_that_show_it_get_wet():
+    looks = {"tub": {"type": "tiles"}, "tank": {"type": "glass"}}
+    tanks = {name: {"type": "box", "size": [2, 2, 2]} for name in ("tub", "tank", "undrawn")}
+    made = plan(fluid=WATER, containers=tanks, render={"wetness": {}, "materials": looks})
+    assert json.loads(made.job("wet").spec)["vessels"] == ["tub"]
