@@ -33,8 +33,8 @@ from sim.spec import SimulationSpec
 from workflow.stages.film.spec import FilmSpec
 from workflow.stages.surface.spec import SurfaceSpec
 
-BUDGET, ACCURACY = "budget", "accuracy"
-"""The quality of scenes whose settings were chosen for a time, and for an error."""
+BUDGET, ACCURACY, CHANGED = "budget", "accuracy", "changed"
+"""The quality of scenes whose settings were chosen for a time, for an error, and by the command of a film."""
 
 
 LOOKS = {"water": "render.water", "foam": "render.foam", "ground": "render.ground.material"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 from collections.abc import Sequence
@@ -23,6 +24,9 @@ def render(arguments: Sequence[str], called: str) -> NoReturn:
     parser.add_argument("--quality", metavar="Q", help="draft, standard or final (default: the scene's)")
     parser.add_argument("--budget", metavar="TIME", help="the finest film that takes this long, such as 10min")
     parser.add_argument("--error", metavar="BOUND", help="the cheapest film within the error, such as 10%%")
+    parser.add_argument(
+        "--set", action="append", metavar="PATH=VALUE", help="another setting, such as render.resolution=[1280,720]"
+    )
     _add_grants(parser)
     parser.add_argument("--keep", choices=("all", "film"), help="whether to keep the results that a film is made of")
     _make("renders", parser, arguments)
@@ -67,7 +71,7 @@ def _make(target: str, parser: argparse.ArgumentParser, arguments: Sequence[str]
     own, rest = _split(arguments)
     options = vars(parser.parse_args(own))
     names, dry, cores = (options.pop(key) for key in ("names", "dry_run", "cores"))
-    config = [f"{key}={value}" for key, value in options.items() if value is not None]
+    config = [f"{key}={_written(value)}" for key, value in options.items() if value is not None]
     if config and any(word.partition("=")[0] in ("--config", "-C") for word in rest):
         given = ", ".join(f"--{word.partition('=')[0]}" for word in config)
         parser.exit(REFUSED, f"{parser.prog}: {given} and --config cannot both be given\n  fix: say all by --config\n")
@@ -75,6 +79,11 @@ def _make(target: str, parser: argparse.ArgumentParser, arguments: Sequence[str]
     words += ["--dry-run"] if dry else []
     words += ["--cores", cores] if cores else []
     _snakemake([*words, *rest, *(["--config", *config] if config else [])])
+
+
+def _written(value: str | list[str]) -> str:
+    """As Snakemake reads it, in YAML."""
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _split(arguments: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -97,7 +97,7 @@ class Catalog(JobLookup):
     def _aimed(self, name: str, aim: type[Aim]) -> Scene:
         if MARK in name:
             stop(
-                f"--config {aim.key}: {name} is one of a wedge, which has to be as fine as the others\n"
+                f"--config {aim.key}: {name} is one of a wedge, which has to be made as the others are\n"
                 f"  fix: use quality"
             )
         if not isinstance(self._aim, aim):
@@ -129,9 +129,10 @@ def main(arguments: Sequence[str] | None = None, called: str = COMMAND) -> None:
     argparse.ArgumentParser(prog=called, description="List scenes and studies, and say how to use them.").parse_args(
         arguments
     )
-    choices = [f"quality={'|'.join(QUALITIES)}", *(aim.example for aim in AIMS)]
+    presets = "|".join(QUALITIES)
+    choices = [f"quality={presets}", *(aim.example for aim in AIMS)]
     by_command = called.startswith("tidemill ")
-    options = " | ".join(f"--{choice.replace('=', ' ')}" for choice in choices)
+    options = " | ".join([f"--quality {presets}", *(aim.option for aim in AIMS)])
     config = f"[--config {' | '.join(choices)}]"
     film = f"tidemill render NAME [{options}]" if by_command else f"snakemake --cores all renders/NAME {config}"
     study = "tidemill study NAME" if by_command else "snakemake --cores all studies/NAME"

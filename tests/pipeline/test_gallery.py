@@ -53,3 +53,5 @@ def test_what_is_not_made_is_refused(project, gallery):
     outdated = collect(project, "tests/pond")
     assert outdated.returncode == 2
     assert "not as the scene now says: run snakemake --cores 2 renders/tests/pond" in outdated.stderr
+    (gallery / "shots.yaml").write_text(SHOTS.replace("frame: 2", "frame: 2, quality: draft, set: [fps=12]"))
+    assert """--config quality=draft set='["fps=12"]'""" in collect(project, "tests/pond").stderr

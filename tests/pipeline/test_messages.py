@@ -45,6 +45,16 @@ def test_wrong_configuration(fresh):
     )
 
 
+def test_other_settings_than_those_of_the_scene(fresh):
+    asked = "-n", "renders/tests/pond", "--config"
+    ran = fresh.snakemake(*asked, 'set=["render.samples=2", "fps=12"]', "quality=draft")
+    assert ran.code == 0
+    assert "results/tests/pond/changed/frames/000" in ran.text
+    refused(fresh.snakemake(*asked, "set=render.samples=2"), "no list of settings", "render.samples=32")
+    refused(fresh.snakemake(*asked, 'set=["render.sampels=2"]'), "render.sampels", "did you mean 'samples'?")
+    refused(fresh.snakemake(*asked, 'set=["fps=12"]', "budget=5min"), "budget and set", "leave one of them out")
+
+
 def test_a_part_that_the_film_does_not_have(fresh):
     refused(fresh.snakemake("-n", "results/tests/pond/standard/simulation/007"), "no part 7 of 2")
 

@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from common.files import write_json, write_whole
 from common.manifest import Manifest
-from scene.load import load
+from scene.load import CHANGED, load
 from scene.presets import Quality
 from workflow.gallery.shots import FOLDER, Shot
 from workflow.plan.jobs import Job, Plan
 from workflow.plan.shelf import SCENE_FILES
 
 LARGE = {"resolution": [960, 540], "samples": 24}
-"""Of the large picture, which is rendered anew."""
+"""Of the large picture, which is rendered anew: at least as many pixels, as many samples."""
 LOOP_WIDTH = 480
 LOOP_QUALITY = 55
 STILL_QUALITY = 90
@@ -33,9 +35,9 @@ class NotMade(Exception):
 
 def collect(shot: Shot, root: Path) -> None:
     """Write NAME.mp4, NAME.webp, NAME.jpg and NAME.json; raises NotMade and SceneError."""
-    plan = _plan(shot, shot.quality, root)
+    plan = _plan(shot.scene, shot.quality, shot.set, root)
     film = plan.job("film")
-    command = f"snakemake --cores 2 {film.folder}" + (f" --config quality={shot.quality}" if shot.quality else "")
+    command = f"snakemake --cores 2 {film.folder}{_config(shot)}"
     _require(film, command)
     made, name = Path(film.folder), Path(film.folder).name
     summary = json.loads((made / "summary.json").read_text())
@@ -43,14 +45,23 @@ def collect(shot: Shot, root: Path) -> None:
     if shot.frame >= len(pictures):
         raise NotMade(f"{made} has no frame {shot.frame}, only 0 to {len(pictures) - 1}")
     folder = root / FOLDER
-    still = _still(_plan(shot, shot.picture, root) if shot.picture else plan, shot.frame, folder / f"{name}.jpg")
+    still = _still(
+        _plan(shot.scene, shot.picture, (), root) if shot.picture else plan, shot.frame, folder / f"{name}.jpg"
+    )
     shutil.copyfile(made / f"{name}.mp4", folder / f"{name}.mp4")
     _loop(pictures, folder / f"{name}.webp", summary["playback_fps"])
     write_json(folder / f"{name}.json", {**_record(summary, command), "picture": still})
 
 
-def _plan(shot: Shot, quality: Quality | None, root: Path) -> Plan:
-    return Plan(load(SCENE_FILES.find(shot.scene), quality=quality), root)
+def _plan(name: str, quality: Quality | None, settings: Sequence[str], root: Path) -> Plan:
+    scene = load(SCENE_FILES.find(name), quality=quality, overrides=settings)
+    return Plan(replace(scene, quality=CHANGED) if settings else scene, root)
+
+
+def _config(shot: Shot) -> str:
+    given = [f"quality={shot.quality}"] if shot.quality else []
+    given += [f"set={shlex.quote(json.dumps(shot.set))}"] if shot.set else []
+    return f" --config {' '.join(given)}" if given else ""
 
 
 def _require(job: Job, command: str) -> None:
@@ -100,7 +111,9 @@ def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
     from PIL import Image
 
     index = next(k for k, job in enumerate(plan.jobs("simulate")) if job.frames.first <= frame <= job.frames.last)
-    settings = json.dumps({**json.loads(plan.job("render").spec), **LARGE})
+    own = json.loads(plan.job("render").spec)
+    large = {**LARGE, "resolution": max(own["resolution"], LARGE["resolution"])}
+    settings = json.dumps({**own, **large})
     words = ["--spec", "-", "--frames", f"{frame}:{frame}", "--fps", repr(plan.timeline.fps)]
     for option, stage in READ.items():
         if plan.parts(stage):
@@ -115,4 +128,4 @@ def _still(plan: Plan, frame: int, out: Path) -> dict[str, Any]:
             whole = picture.convert("RGB")
     write_whole(out, lambda partial: whole.save(partial, "JPEG", quality=STILL_QUALITY))
     summary = json.loads(Path(plan.job("simulate", index).folder, "summary.json").read_text())
-    return {"quality": plan.scene.quality, "render": LARGE, **_counts(summary)}
+    return {"quality": plan.scene.quality, "render": large, **_counts(summary)}

@@ -30,6 +30,8 @@ class Shot(Settings):
     """That the large picture shows."""
     quality: Quality | None = None
     """Preset of the film, where it is not the scene's own."""
+    set: tuple[str, ...] = ()
+    """Other settings of the film than those of the scene, as `--config set` takes them."""
     picture: Quality | None = None
     """Preset of the large picture, where it is finer than the film."""
 

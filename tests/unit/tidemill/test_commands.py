@@ -77,6 +77,10 @@ def test_scenes_that_come_with_it_are_listed_anywhere(capsys, tmp_path, monkeypa
         (["wedge", "a", "--allow", "/x"], ["wedges/a", "--config", "allow=/x"]),
         (["render", "a", "--error", "10%"], ["renders/a", "--config", "error=10%"]),
         (
+            ["render", "a", "--set", "fps=12", "--set", "gravity=[0, -1, 0]"],
+            ["renders/a", "--config", 'set=["fps=12", "gravity=[0, -1, 0]"]'],
+        ),
+        (
             ["render", "a", "--keep", "film", "--", "--forcerun", "film"],
             ["renders/a", "--forcerun", "film", "--config", "keep=film"],
         ),
