@@ -16,6 +16,7 @@ from render.content.changing.foam import Foam
 from render.content.changing.froth import laid
 from render.content.changing.meshes import MovingMesh
 from render.content.changing.sheets import Sheet
+from render.content.changing.wetness import Wetness
 from render.content.containers import add_container, wall_thickness
 from render.content.framing import view_of
 from render.content.lights import add_lights
@@ -26,11 +27,10 @@ from render.content.ply import TriangleMesh, max_of, min_of, read_cloud, read_me
 from render.content.sets import add_set
 from render.content.sets.ground import add_ground, surface_of
 from render.content.sets.site import Site
-from render.content.wetness import Wetness
 from render.content.world import add_world
 from render.errors import Unusable
 from render.inputs import Box, Inputs, Pose
-from render.looks.froth import cover
+from render.looks.fluid.froth import cover
 from render.looks.simple import Known
 from render.texturing.nodes import places
 
@@ -245,7 +245,7 @@ class Scene:
             graph, output, shader = surface_of(material)
             graph.feed(output, "Surface", cover(graph, self.settings.foam, self.box.diagonal, shader))
             ior = getattr(self.settings.water, "ior", WATER)
-            build = "render.looks.froth:bubble"
+            build = "render.looks.fluid.froth:bubble"
             looks["bubbles"] = SimpleNamespace(type="bubble", build=build, color=self.settings.foam.color, ior=ior)
         meshes = "motion" in self.settings.passes
         return {name: Foam(self.make_material(name, look), meshes, name) for name, look in looks.items()}

@@ -15,7 +15,7 @@ from render.errors import Unusable
 Build = Callable[[Any, Any, float], tuple[Any, Any]]
 
 LOOKS = {
-    "water": "render.looks.water:build",
+    "water": "render.looks.fluid.water:build",
     "plastic": "render.looks.plastic:build",
     "metal": "render.looks.metal:build",
     "stone": "render.looks.patterned.stone:build",
@@ -29,8 +29,8 @@ LOOKS = {
     "lemon": "render.looks.patterned.lemon:build",
     "planks": "render.looks.patterned.planks:build",
     "tiles": "render.looks.patterned.tiles:build",
-    "colormap": "render.looks.colormap:build",
-    "palette": "render.looks.palette:build",
+    "colormap": "render.looks.fluid.colormap:build",
+    "palette": "render.looks.fluid.palette:build",
     "imported": "render.looks.imported:build",
 }
 """By the type that they have in a scene."""

@@ -9,8 +9,8 @@ from typing import Any, Literal
 
 from render.content.nodes import Graph, rgba
 from render.looks import Build, load_look
-from render.looks.colormap import MAPS
-from render.looks.water import CLARITY
+from render.looks.fluid.colormap import MAPS
+from render.looks.fluid.water import CLARITY
 
 Known = Literal["all", "transmission", "opacity"]
 """What a format knows of clear things: `all` is Blender itself, which needs no other looks."""

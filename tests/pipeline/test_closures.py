@@ -29,7 +29,8 @@ pathlib.Path(target).write_text(json.dumps(sorted(filter(None, files))))
 
 
 FOAM = json.dumps({"particle_radius": 0.05, "support_radius": 0.2, "fps": 4})
-"""The scene of these tests does not foam."""
+WET = json.dumps({"drying_time": 10, "particle_radius": 0.05, "fps": 4})
+"""The scene of these tests does neither foam nor show what is wet."""
 
 
 @pytest.fixture
@@ -56,7 +57,7 @@ def arguments_of(project, stage: str) -> list[str]:
     simulation, surface = project.results / "simulation" / "000", project.results / "surface" / "000"
     frames = project.results / "frames" / "000"
     made = {"simulate": simulation, "reconstruct": surface, "render": frames, "film": project.film}
-    spec = recorded_spec(project, made[stage]) if stage in made else FOAM
+    spec = recorded_spec(project, made[stage]) if stage in made else {"foam": FOAM, "wet": WET}[stage]
     spec = ["--spec", spec, "--out", str(project.folder / "again")]
     return (
         spec
@@ -64,6 +65,7 @@ def arguments_of(project, stage: str) -> list[str]:
             "simulate": ["--folder", str(project.scene.parent), "--frames", "0:1"],
             "reconstruct": ["--simulation", str(simulation), "--frames", "0:1"],
             "foam": ["--simulation", str(simulation), "--frames", "0:1"],
+            "wet": ["--simulation", str(simulation), "--frames", "0:1"],
             "render": ["--simulation", str(simulation), "--surface", str(surface), "--frames", "0:0", "--fps", "4"],
             "film": ["--frames-from", str(frames), str(frames.with_name("001")), "--simulation", str(simulation)],
         }[stage]

@@ -115,8 +115,8 @@ def test_wetness_moves_with_its_body(folders):
 
 def test_sheets_say_how_wet_they_are(folders):
     pytest.importorskip("bpy")
+    from render.content.changing.wetness import Wetness
     from render.content.ply import read_mesh
-    from render.content.wetness import Wetness
     from render.inputs import Box, Inputs
 
     simulation, wet = folders

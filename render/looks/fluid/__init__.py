@@ -1,0 +1,1 @@
+"""Looks of water and foam, and of what attributes say of the fluid."""
