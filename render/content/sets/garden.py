@@ -19,7 +19,11 @@ STEP = 0.035
 LAWN = 3.0
 """How far from the middle blades grow, likewise; farther off the soil alone is green."""
 BLADES = 90_000
-GREEN = SimpleNamespace(type="matte", color=(0.33, 0.45, 0.18))
+GREEN = SimpleNamespace(type="matte", color=(0.33, 0.38, 0.2))
+DARK, LIGHT, DRY = (0.24, 0.3, 0.14), (0.45, 0.51, 0.27), (0.5, 0.47, 0.31)
+"""Colours (sRGB) of grass in the shade of other blades, of blades in the sun, and of dry ones."""
+BELOW = 0.85
+"""How bright the soil is between blades, and beyond them, over grass: they shade one another."""
 
 
 def build(site: Site) -> None:
@@ -28,20 +32,26 @@ def build(site: Site) -> None:
     material = site.material("ground")
     site.lay(add_slab("ground", half, 1.5 * step, material, site.middle))
     soil = (x, y, top - step)
-    add_plain(_green("soil", site), soil, site.reach, site.known)
+    add_plain(_green("soil", site, BELOW), soil, site.reach, site.known)
     corners, faces = _blades(half, step, max(LAWN * site.size, 1.2 * max(half)))
-    add_mesh("grass", corners, faces, _green("grass", site), soil)
+    add_mesh("grass", corners, faces, _green("grass", site, 1.0), soil)
 
 
-def _green(name: str, site: Site) -> Any:
-    """Grass, in spots of lighter and darker green."""
+def _green(name: str, site: Site, bright: float) -> Any:
+    """Grass, in spots of lighter and darker green, and some that is dry."""
     material = site.material(name, GREEN)
     if site.known != "all":
         return material
     graph, output, _ = surface_of(material)
     place = graph.node("TexCoord").outputs["Object"]
-    spots = graph.node("TexNoise", {"Vector": place, "Scale": 6 / site.size, "Detail": 4.0}).outputs[0]
-    color = graph.mix_colors(graph.ramp(spots, 0.3, 0.7), rgba((0.24, 0.36, 0.13)), rgba((0.45, 0.55, 0.24)))
+
+    def spots(per_size: float, detail: float) -> Any:
+        scale = per_size / site.size
+        return graph.node("TexNoise", {"Vector": place, "Scale": scale, "Detail": detail}).outputs[0]
+
+    color = graph.mix_colors(graph.ramp(spots(6.0, 4.0), 0.3, 0.7), rgba(DARK), rgba(LIGHT))
+    color = graph.mix_colors(graph.ramp(spots(60.0, 2.0), 0.55, 0.75), color, rgba(DRY))
+    color = graph.node("VectorMath", {0: color, 1: (bright,) * 3}, operation="MULTIPLY").outputs[0]
     leaf = graph.node("BsdfDiffuse", {"Color": color}).outputs[0]
     backlit = graph.node("BsdfTranslucent", {"Color": color}).outputs[0]
     graph.feed(output, "Surface", graph.mix(0.3, leaf, backlit))
