@@ -37,6 +37,8 @@ from workflow.stages.bodies import Bodies
 from workflow.stages.stage import exit_code
 
 KINDS = ("spray", "foam", "bubbles")
+MOVING = ("x", "y", "z", "vx", "vy", "vz")
+"""What points say of where they are and go."""
 
 
 def run(
@@ -63,6 +65,7 @@ def run(
 
         from common.ply import write_points
         from sim.foam.particles import FOAM_POINT, next_frame
+        from workflow.stages.points import read
     needed = range(frames.first - 1, frames.last + 1)
     with watch.phase("load"):
         stage.refuse_spoiled(simulation, "fluid_", "body", "bodies", frames=needed)
@@ -71,15 +74,15 @@ def run(
     bodies = Bodies(simulation)
     points, before = np.empty(0, FOAM_POINT), None
     if frames.first > 0:
-        points = _points([resume] if resume else [], f"foam_{frames.first - 1:05d}.ply", FOAM_POINT.names or ())
-        before = _points(simulation, f"fluid_{frames.first - 1:05d}.ply", ("id",))
+        points = read([resume] if resume else [], f"foam_{frames.first - 1:05d}.ply", MOVING, FOAM_POINT.names or ())
+        before = read(simulation, f"fluid_{frames.first - 1:05d}.ply", MOVING, ("id",))
     rows: list[dict[str, Any]] = []
     warnings: list[str] = []
     with Progress(len(frames)) as progress:
         for frame in frames:
             frame_watch = Stopwatch()
             with watch.phase("load"):
-                after = _points(simulation, f"fluid_{frame:05d}.ply", ("id",))
+                after = read(simulation, f"fluid_{frame:05d}.ply", MOVING, ("id",))
             with watch.phase("foam"), at_once():
                 if before is not None:
                     points, full = next_frame(points, before, after, frame, spec, bodies.passing(frame))
@@ -104,26 +107,6 @@ def run(
         "wall_s": watch.report(),
     }
     write_json(out / "summary.json", summary)
-
-
-def _points(folders: Sequence[Path], name: str, wanted: Sequence[str]) -> Any:
-    """The records of a file in the first of the folders that has it; raises Refused."""
-    import numpy as np
-
-    from common.ply import BadPly, columns, read_points
-
-    path = next((folder / name for folder in folders if (folder / name).exists()), None)
-    if path is None:
-        raise Refused(f"{name} is in none of {', '.join(map(str, folders))}", remedy="make the frames before it first")
-    try:
-        points = read_points(path)
-        vectors = columns(points, ("x", "y", "z", "vx", "vy", "vz"))
-        columns(points[:0], wanted)
-    except BadPly as error:
-        raise Refused(str(error), remedy="delete it, and make this frame again") from None
-    if not np.isfinite(vectors).all():
-        raise Refused(f"{path} holds numbers that are not finite", remedy="delete it, and make this frame again")
-    return points
 
 
 def main(argv: Sequence[str] | None = None) -> int:

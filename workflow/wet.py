@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     import numpy as np
 
 FLOOR = "floor"
-REMEDY = "delete it, and make this frame again"
 
 
 def run(spec: WetJobSpec, simulation: Sequence[Path], frames: Frames, out: Path, *, resume: Path | None = None) -> None:
@@ -55,6 +54,7 @@ def run(spec: WetJobSpec, simulation: Sequence[Path], frames: Frames, out: Path,
 
         from common.ply import write_points
         from workflow.stages.bodies import Bodies
+        from workflow.stages.points import read
         from workflow.stages.wet import marks
     with watch.phase("load"):
         stage.refuse_spoiled(simulation, "fluid_", "cloth_", "body_", "bodies", "container_", frames=frames)
@@ -72,9 +72,11 @@ def run(spec: WetJobSpec, simulation: Sequence[Path], frames: Frames, out: Path,
         for frame in frames:
             frame_watch = Stopwatch()
             with watch.phase("load"):
-                fluid = _vectors(_read(simulation, f"fluid_{frame:05d}.ply"))
+                fluid = _vectors(read(simulation, f"fluid_{frame:05d}.ply", "xyz"))
                 solids = bodies.named_solids(frame, spec.vessels)
-                sheets = {name: _read([path.parent], path.name) for name, path in _sheets(simulation, frame).items()}
+                sheets = {
+                    name: read([path.parent], path.name, "xyz") for name, path in _sheets(simulation, frame).items()
+                }
             with watch.phase("wet"), at_once():
                 feet = {name: marks.feet_on_solid(fluid, solid, cell) for name, solid in solids.items()}
                 if heights:
@@ -106,37 +108,20 @@ def run(spec: WetJobSpec, simulation: Sequence[Path], frames: Frames, out: Path,
 
 def _before(folder: Path, frame: int) -> dict[str, np.ndarray]:
     """The points of all parts in the frame before the first, by the names of their files; raises Refused."""
+    from workflow.stages.points import read
+
     ending = f"_{frame:05d}.ply"
     paths = sorted(folder.glob(f"wet_*{ending}"))
     if not (folder / "summary.json").exists():
         raise Refused(f"{folder} has no summary.json, so that what was wet is not known", remedy="make it first")
     names = (path.name.removeprefix("wet_").removesuffix(ending) for path in paths)
-    return {name: _read([folder], path.name, ("wet",)) for name, path in zip(names, paths, strict=True)}
+    return {name: read([folder], path.name, ("x", "y", "z", "wet")) for name, path in zip(names, paths, strict=True)}
 
 
 def _sheets(folders: Sequence[Path], frame: int) -> Mapping[str, Path]:
     """The files of cloth of a frame, by `cloth_NAME`."""
     paths = (path for folder in folders for path in sorted(folder.glob(f"cloth_*_{frame:05d}.ply")))
     return {re.sub(r"_\d+$", "", path.stem): path for path in paths}
-
-
-def _read(folders: Sequence[Path], name: str, wanted: Sequence[str] = ()) -> Any:
-    """The records of a file in the first of the folders that has it; raises Refused."""
-    import numpy as np
-
-    from common.ply import BadPly, columns, read_points
-
-    path = next((folder / name for folder in folders if (folder / name).exists()), None)
-    if path is None:
-        raise Refused(f"{name} is in none of {', '.join(map(str, folders))}", remedy="make the frames before it first")
-    try:
-        points = read_points(path)
-        numbers = columns(points, ("x", "y", "z", *wanted))
-    except BadPly as error:
-        raise Refused(str(error), remedy=REMEDY) from None
-    if not np.isfinite(numbers).all():
-        raise Refused(f"{path} holds numbers that are not finite", remedy=REMEDY)
-    return points
 
 
 def _vectors(points: Any) -> Any:

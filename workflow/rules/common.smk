@@ -73,17 +73,24 @@ def fluid_of_foam(wildcards):
     return [plan(wildcards).job("simulate", k).folder for k in range(max(0, index - 1), index + 1)]
 
 
-@with_signature
-def previous_foam(wildcards):
-    """The folder of foam that a segment goes on from; none for the first."""
-    index = int(wildcards.segment)
-    return plan(wildcards).job("foam", index - 1).folder if index else []
+def previous_part(stage):
+    """The folder of a stage that a segment goes on from; none for the first."""
+
+    def folder(wildcards):
+        index = int(wildcards.segment)
+        return plan(wildcards).job(stage, index - 1).folder if index else []
+
+    return with_signature(folder)
 
 
-@with_signature
-def resume_foam(wildcards):
-    folder = previous_foam(wildcards)
-    return ["--resume", folder] if folder else []
+def resume_part(stage):
+    """The option of a job that names that folder."""
+
+    def option(wildcards):
+        folder = previous_part(stage)(wildcards)
+        return ["--resume", folder] if folder else []
+
+    return with_signature(option)
 
 
 @with_signature
@@ -91,19 +98,6 @@ def fluid_of_wet(wildcards):
     """The folder with the particles, bodies and cloth of a segment."""
     catalog.job("wet", wildcards)
     return plan(wildcards).job("simulate", int(wildcards.segment)).folder
-
-
-@with_signature
-def previous_wet(wildcards):
-    """The folder of what was wet that a segment goes on from; none for the first."""
-    index = int(wildcards.segment)
-    return plan(wildcards).job("wet", index - 1).folder if index else []
-
-
-@with_signature
-def resume_wet(wildcards):
-    folder = previous_wet(wildcards)
-    return ["--resume", folder] if folder else []
 
 
 @with_signature

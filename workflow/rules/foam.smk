@@ -1,7 +1,7 @@
 rule foam:
     input:
         fluid=fluid_of_foam,
-        previous=previous_foam,
+        previous=previous_part("foam"),
     output:
         folder=part("results/{scene}/{quality}/foam/{segment}"),
     log:
@@ -23,7 +23,7 @@ rule foam:
         versions=foam("versions"),
         plan=foam("plan"),
         repairs=catalog.repairs("foam"),
-        resume=resume_foam,
+        resume=resume_part("foam"),
     message:
         "Foam of {wildcards.scene}, frames {params.frames}"
     shell:

@@ -1,7 +1,7 @@
 rule wet:
     input:
         simulation=fluid_of_wet,
-        previous=previous_wet,
+        previous=previous_part("wet"),
     output:
         folder=part("results/{scene}/{quality}/wet/{segment}"),
     log:
@@ -22,7 +22,7 @@ rule wet:
         versions=wet("versions"),
         plan=wet("plan"),
         repairs=catalog.repairs("wet"),
-        resume=resume_wet,
+        resume=resume_part("wet"),
     message:
         "Wetness of {wildcards.scene}, frames {params.frames}"
     shell:
