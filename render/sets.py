@@ -63,8 +63,12 @@ def _below(own: dict[str, Any], defaults: dict[str, Any]) -> dict[str, Any]:
     for key, value in defaults.items():
         if key not in own:
             merged[key] = value
-        elif isinstance(own[key], dict) and own[key].get("type", value.get("type")) == value.get("type"):
+        elif isinstance(own[key], dict) and isinstance(value, dict) and _of_a_type(own[key], value):
             merged[key] = _below(own[key], value)
     if own.get("file") is not None:
         merged.pop("light", None)
     return merged
+
+
+def _of_a_type(own: dict[str, Any], defaults: dict[str, Any]) -> bool:
+    return bool(own.get("type", defaults.get("type")) == defaults.get("type"))

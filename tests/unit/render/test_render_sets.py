@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from render.content.framing import direction, frame_box
 from render.content.lights import DISTANCE, _view_factor, add_lights
@@ -46,6 +47,24 @@ def test_a_set_gives_what_is_left_open(name):
     assert made.ground.material.type == given["ground"]["material"]["type"]
     assert made.lights.sun.strength == given["lights"].get("sun", {}).get("strength", spec().lights.sun.strength)
     assert RenderSpec.model_validate_json(made.canonical()) == made
+
+
+def refused(**section):
+    """Sections that the model refuses a value of."""
+    try:
+        spec(**section)
+    except ValidationError as error:
+        return {detail["loc"][0] for detail in error.errors()}
+    return set()
+
+
+@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("other", [{}, {"unknown": 1}, [], 1.5, "plain", True])
+def test_what_is_of_another_kind_is_left_to_the_check_of_its_field(name, other):
+    for group, given in DEFAULTS[name].items():
+        assert group in refused(set=name, **{group: other}) or isinstance(other, dict)
+        for field in given:
+            assert refused(set=name, **{group: {field: other}}) <= {group}
 
 
 def test_what_is_written_goes_above_the_set():
