@@ -192,7 +192,7 @@ def _idle_air(air: Air, placed: PlacedScene, gravity: float, duration: float) ->
         free = gravity * duration**2 / 2 if endless else height
         fall = _diagonal(item) if item.sheet.pins else free
         speed2 = float(np.dot(item.sheet.velocity, item.sheet.velocity)) + 2 * gravity * fall
-        weight = item.sheet.mass_per_area * gravity
+        weight = item.sheet.density * gravity
         if weight and air.density * air.drag * speed2 / 2 < NEGLIGIBLE * weight:
             yield Line("cloth.air", f"drags on {item.name} by less than {NEGLIGIBLE:.0%} of its weight")
 

@@ -102,6 +102,7 @@ class ClothModel:
             settings.air,
             gravity,
             solids.points,
+            settings.model,
         )
         self.solids = solids
         self._gravity = np.asarray(gravity)

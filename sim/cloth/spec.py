@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
@@ -16,6 +18,7 @@ from scene.units import (
     AreaDensity,
     Density,
     Dimensionless,
+    Direction,
     Duration,
     Position,
     PositiveDuration,
@@ -25,6 +28,7 @@ from scene.units import (
     Velocity,
 )
 from sim.cloth import INTEGRATORS
+from sim.cloth.fabrics import MEASURED, Fabric, FabricName
 from sim.geometry.spec import ClothShape, Placement, Rotation
 
 Stiffness = Annotated[float, Gt(0), Le(1e12), Unit("N/m")]
@@ -33,7 +37,10 @@ BendStiffness = Annotated[float, Ge(0), Le(1e9), Unit("N*m")]
 Ratio = Annotated[Dimensionless, Ge(0), Le(1)]
 Coefficient = Annotated[Dimensionless, Ge(0), Le(100)]
 Friction = Annotated[Dimensionless, Ge(0), Le(10)]
+Poisson = Annotated[Dimensionless, Ge(-10), Le(10)]
+Delay = Annotated[Duration, Le(10)]
 Side = Literal["corners", "left", "right", "front", "back"]
+SPRINGS_MASS = 0.2
 
 
 class PinKeyframe(Settings):
@@ -70,14 +77,54 @@ class Pin(Settings):
         return self
 
 
+class FabricSettings(Settings):
+    """What cloth of finite elements resists by, along and across its threads.
+
+    What is left out comes from the fabric named in `type`, or else from the sheet's stretch_stiffness,
+    shear_stiffness and bend_stiffness, the same in all directions.
+    """
+
+    type: FabricName | None = None
+    """One that was measured by Wang, O'Brien & Ramamoorthi 2011: jeans are `denim`, a T-shirt is `jersey`, underwear
+    `cotton_knit`, a polyester jacket `windbreaker`, a jersey jacket `ponte`."""
+    warp_stiffness: Stiffness | None = None
+    """Force per width and strain [N/m] of a strip along the warp that may contract."""
+    weft_stiffness: Stiffness | None = None
+    """The same along the weft."""
+    poisson_ratio: Poisson | None = None
+    """How far the weft contracts over how far the warp is stretched, in a strip along the warp."""
+    shear_stiffness: Stiffness | None = None
+    """Force per width and angle between warp and weft [N/m]."""
+    warp_bending: BendStiffness | None = None
+    """Moment per width and curvature of a strip along the warp [N m]."""
+    weft_bending: BendStiffness | None = None
+    """The same along the weft."""
+    bias_bending: BendStiffness | None = None
+    """The same at 45 degrees to both [N m]; by default their mean. More than half of it."""
+    damping_time: Delay = 0.001
+    """Stress by the rate of strain over that by strain [s]: a swing of f [Hz] has the damping ratio pi f times it."""
+    bend_damping_time: Delay = 0.001
+    """The same for bending."""
+    warp: Direction = (1.0, 0.0, 0.0)
+    """Direction of the warp in the sheet's own axes, as it is before `rotation`; of a mesh, laid on each triangle."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_stands_for_all(cls, data: Any) -> Any:
+        return {"type": data} if isinstance(data, str) else data
+
+
 class ClothSheet(Placement):
-    """One piece of cloth: point masses with springs between them."""
+    """One piece of cloth: masses with springs between them, or a shell of finite elements (`cloth.model`)."""
 
     shape: ClothShape
     spacing: PositiveLength | None = None
     """Distance of neighbouring mass points of a sheet [m], rounded so that it divides both sides; by default a
     fortieth of the longer side. A mesh has its own points."""
-    mass_per_area: AreaDensity = 0.2
+    mass_per_area: AreaDensity | None = None
+    """[kg/m^2]; by default 0.2, or that of the `type` of its fabric."""
+    fabric: FabricSettings = FabricSettings()
+    """With `model: fem`: the name of a fabric, or what it resists by in each direction."""
     stretch_stiffness: Stiffness = 1000.0
     """Force per width and strain [N/m] of a strip pulled along its threads, at any resolution."""
     shear_stiffness: ShearStiffness | None = None
@@ -107,6 +154,33 @@ class ClothSheet(Placement):
     velocity: Velocity = (0.0, 0.0, 0.0)
 
     @property
+    def density(self) -> float:
+        """Mass per area [kg/m^2]."""
+        if self.mass_per_area is not None:
+            return self.mass_per_area
+        return MEASURED[self.fabric.type].mass_per_area if self.fabric.type else SPRINGS_MASS
+
+    @property
+    def resistance(self) -> Fabric:
+        """What it resists by as a shell."""
+        return _resistance(self)
+
+    @property
+    def bends(self) -> bool:
+        """Whether a shell of it resists bending."""
+        return max(self.resistance.warp_bending, self.resistance.weft_bending) > 0
+
+    @property
+    def stretch_delay(self) -> float:
+        """Of a shell: stress by the rate of strain over that by strain [s]."""
+        return self.fabric.damping_time
+
+    @property
+    def bend_delay(self) -> float:
+        """Of a shell: moment by the rate of curvature over that by curvature [s]."""
+        return self.fabric.bend_damping_time
+
+    @property
     def friction_coefficients(self) -> tuple[float, float]:
         """Coefficients of friction while sliding and at rest."""
         return self.friction, self.friction if self.static_friction is None else self.static_friction
@@ -123,6 +197,43 @@ class ClothSheet(Placement):
             if any(isinstance(side, str) for side in sides):
                 raise ValueError("a mesh has no sides or corners: give places to pin, as `at: [[x, y, z]]`")
         return self
+
+
+def _unfit(sheet: ClothSheet) -> str | None:
+    """Why it can not be a shell, and what would help."""
+    fabric = sheet.resistance
+    if sheet.rest_scale == 0:
+        return "rest_scale = 0 leaves a shell no area at rest: raise it, or use model: springs"
+    if fabric.shear_stiffness == 0:
+        return "shear_stiffness = 0 lets a shell collapse along its diagonals: raise it, or use model: springs"
+    if not fabric.poisson_ratio**2 * fabric.weft_stiffness < 0.9 * fabric.warp_stiffness:
+        most = math.sqrt(0.9 * fabric.warp_stiffness / fabric.weft_stiffness)
+        return f"fabric.poisson_ratio = {fabric.poisson_ratio:g} must be between -{most:.3g} and {most:.3g}: lower it"
+    least = (fabric.warp_bending + fabric.weft_bending) / 4
+    if not fabric.bias_bending >= least:
+        return f"fabric.bias_bending = {fabric.bias_bending:g} must be at least {least:g}: raise it"
+    return None
+
+
+def _resistance(sheet: ClothSheet) -> Fabric:
+    given, measured = sheet.fabric, MEASURED.get(sheet.fabric.type or "")
+    shear = sheet.stretch_stiffness / 2 if sheet.shear_stiffness is None else sheet.shear_stiffness
+    plain = measured or Fabric(
+        mass_per_area=sheet.density,
+        warp_stiffness=sheet.stretch_stiffness,
+        weft_stiffness=sheet.stretch_stiffness,
+        poisson_ratio=0.0,
+        shear_stiffness=shear,
+        warp_bending=sheet.bend_stiffness,
+        weft_bending=sheet.bend_stiffness,
+        bias_bending=sheet.bend_stiffness,
+    )
+    names = set(vars(plain)) - {"mass_per_area"}
+    own = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
+    if {"warp_bending", "weft_bending"} & set(own) and "bias_bending" not in own:
+        both = (own.get(name, getattr(plain, name)) for name in ("warp_bending", "weft_bending"))
+        own["bias_bending"] = sum(both) / 2
+    return replace(plain, **own)
 
 
 class Air(Settings):
@@ -171,6 +282,9 @@ class Cloth(Settings):
     """The cloth of the scene."""
 
     sheets: Annotated[dict[Name, ClothSheet], Field(min_length=1)]
+    model: Literal["springs", "fem"] = "springs"
+    """Masses and springs; or a shell of finite elements, whose stiffness does not depend on the mesh, with fabrics that
+    differ along and across their threads."""
     integrator: Literal[(*INTEGRATORS, *names("integrators", *INTEGRATORS))] = "implicit_euler"
     max_step: Annotated[PositiveDuration, Le(0.1)] = 0.005
     """Longest time step of a scene with cloth [s]."""
@@ -181,6 +295,14 @@ class Cloth(Settings):
     xpbd: XPBD = XPBD()
     extra: Annotated[dict[Name, Added], of_packages("integrators")] = {}
     """Settings of integrators that installed packages add, by their names."""
+
+    @model_validator(mode="after")
+    def _suits_its_model(self) -> Self:
+        for name, sheet in self.sheets.items():
+            reason = _unfit(sheet) if self.model == "fem" else None
+            if reason:
+                raise ValueError(f"sheets.{name}: {reason}")
+        return self
 
     @property
     def integrator_settings(self) -> Any:

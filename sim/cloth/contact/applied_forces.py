@@ -8,9 +8,13 @@ from sim.cloth.fabric.mesh import ClothMesh, fold
 
 
 def pulls(mesh: ClothMesh) -> np.ndarray:
-    """Forces of springs and hinges with their dampers on all points [N], shape [n, 3]."""
+    """Forces of springs and hinges, or of a shell, with their dampers on all points [N], shape [n, 3]."""
     place, speed = (array.to_numpy()[: mesh.count] for array in (mesh.points.position, mesh.points.velocity))
     force = np.zeros((mesh.count, 3))
+    if mesh.shell is not None:
+        from sim.cloth.shell.forces import pushes
+
+        return pushes(mesh.shell, place, speed)
     one, other = mesh.ends.T
     apart = place[one] - place[other]
     length = np.linalg.norm(apart, axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sim.cloth.fabric import energy_sums
 from sim.cloth.fabric.layout import PARTITIONS
@@ -21,7 +21,7 @@ class ClothMeasure:
     elastic_energy: float
     v_max: float
     stretch_max: float
-    """Greatest length of a spring over that at rest; of springs that have none at rest, 1."""
+    """Greatest length of a spring, or of a line on a shell, over that at rest; of what has none at rest, 1."""
 
     @property
     def finite(self) -> bool:
@@ -39,4 +39,15 @@ class Meter:
     def read(self) -> ClothMeasure:
         """Measure the cloth as it is now."""
         found = energy_sums.measure(self.mesh.model, self._partitions)
-        return ClothMeasure(*(float(value) for value in found))
+        whole = ClothMeasure(*(float(value) for value in found))
+        if self.mesh.shell is None:
+            return whole
+        elastic, stretch = self._read_shell()
+        return replace(whole, elastic_energy=elastic, stretch_max=stretch)
+
+    def _read_shell(self) -> tuple[float, float]:
+        from sim.cloth.shell.energy_sums import measure
+
+        shell, mesh = self.mesh.shell, self.mesh
+        found = measure(shell.triangles, shell.count, mesh.points, mesh.shell_rest, self._partitions)
+        return float(found[2]), float(found[4])

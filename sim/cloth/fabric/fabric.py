@@ -20,7 +20,7 @@ Springs stand for what the threads do per width and length, so that the cloth is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,14 @@ class Fabric:
     """Of springs between them instead of hinges [N/m], shape [b]."""
     sides: dict[str, np.ndarray]
     """Points on the sides and corners of a sheet."""
+
+
+def without_springs(fabric: Fabric) -> Fabric:
+    """The same points and triangles, with nothing between them."""
+    pairs, hinges, nothing = np.zeros((0, 2), int), np.zeros((0, 4), int), np.zeros(0)
+    return replace(
+        fabric, springs=pairs, stiffness=nothing, hinges=hinges, rigidity=nothing, skips=pairs, skip_stiffness=nothing
+    )
 
 
 def weave(sheet: ClothSheet, folder: Path) -> Fabric:

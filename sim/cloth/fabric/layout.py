@@ -70,6 +70,9 @@ diagonal, and what of it is left when all points move alike: inertia and air. Of
 share, from first_element[k] to first_element[k + 1]: -1 - spring, or 16 hinge + 4 corner of the first + corner of the
 other; and the places of their two blocks."""
 
+AlikeRows = argpack(first_alike=Integers, alike_column=Integers, alike=Numbers)
+"""What of a matrix is alike along all axes, without its diagonal: where rows begin, columns, and values [N/m]."""
+
 LIMIT, KINETIC, STATIC, LAGGED = range(4)
 """What stands in `law` of a contact: how far along the normal the first side has to be from the other at least [m], the
 coefficients of friction while sliding and at rest, and the normal force by which friction is bounded [N], which lags

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from sim.cloth.fabric.air_drag import find_drag
@@ -15,38 +17,62 @@ from sim.cloth.fabric.arrays import (
     spring_arrays,
     vectors,
 )
-from sim.cloth.fabric.fabric import Fabric
+from sim.cloth.fabric.fabric import Fabric, without_springs
 from sim.cloth.fabric.layout import Drag, Hinges, MassSpring, Springs
 from sim.cloth.spec import Air, ClothSheet
 from sim.device.compiler import ti
 from sim.device.double import vec3
+
+if TYPE_CHECKING:
+    from sim.cloth.shell.shell import Shell
 
 ALONE = 4000
 """Cloths of fewer points are stepped by one thread on a CPU."""
 
 
 class Elastic:
-    """Points, springs and hinges of all sheets as they are placed, numbered through."""
+    """Points of all sheets as they are placed, numbered through, and what is between them: springs and hinges, or a
+    shell."""
 
     def __init__(
-        self, sheets: list[ClothSheet], fabrics: list[Fabric], held: np.ndarray, solids: np.ndarray | None = None
+        self,
+        sheets: list[ClothSheet],
+        fabrics: list[Fabric],
+        held: np.ndarray,
+        solids: np.ndarray | None = None,
+        model: str = "springs",
     ):
         """`solids`: points of solids [m], shape [n, 3], which follow those of the cloth."""
         starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics]).tolist()
         parts = list(zip(sheets, fabrics, starts, strict=False))
         self.count = starts[-1]
         self.placed = np.concatenate([fabric.points for fabric in fabrics])
-        self.mass = np.concatenate([sheet.mass_per_area * fabric.area for sheet, fabric, _ in parts])
+        self.mass = np.concatenate([sheet.density * fabric.area for sheet, fabric, _ in parts])
         self.held = held
         solids = np.zeros((0, 3)) if solids is None else solids
         self.total = self.count + len(solids)
         self.placed = np.concatenate([self.placed, solids])
         self.triangles = np.concatenate([fabric.triangles + start for _, fabric, start in parts])
+        self.shell = _shell(sheets, fabrics) if model == "fem" else None
+        if self.shell:
+            parts = [(sheet, without_springs(fabric), start) for sheet, fabric, start in parts]
         springs = [_springs(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
         self.ends, self.rest, self.stiffness, self.damping = _near_first(springs)
         hinges = [_hinges(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
         self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.shrinking = _near_first(hinges)
         self.springs, self.hinges = len(self.ends), len(self.corners)
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Points that something holds together, shape [e, 2]."""
+        return self.shell.edges if self.shell else self.ends
+
+    @property
+    def stiffness_of_points(self) -> np.ndarray:
+        """What stretching holds each point by [N/m], shape [points]."""
+        if self.shell:
+            return self.shell.stiffness_at_point
+        return np.bincount(self.ends.ravel(), weights=np.repeat(self.stiffness, 2), minlength=self.count)
 
 
 class ClothMesh(Elastic):
@@ -62,9 +88,10 @@ class ClothMesh(Elastic):
         air: Air | None,
         gravity: np.ndarray,
         solids: np.ndarray | None = None,
+        model: str = "springs",
     ):
         """gravity [m/s^2], shape [3]; `solids` as of Elastic."""
-        super().__init__(sheets, fabrics, held, solids)
+        super().__init__(sheets, fabrics, held, solids, model)
         solids = self.placed[self.count :]
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
@@ -75,10 +102,9 @@ class ClothMesh(Elastic):
         hinges = hinge_arrays(self.corners, self.rest_angle, self.rigidity, self.bend_damping, self.count)
         self.place = vectors(position)
         """Where held points and solids are at the end of a step [m]; of others, what integrators make of it."""
-        self.stiffness_at_point = numbers(
-            np.bincount(self.ends.ravel(), weights=np.repeat(self.stiffness, 2), minlength=self.count)
-        )
-        """Sum over the springs of each point [N/m]."""
+        self.stiffness_at_point = numbers(self.stiffness_of_points)
+        """What stretching holds each point by [N/m]."""
+        self.shell_rest = self.shell.on_device() if self.shell else None
         self.air = AirDrag(self, air)
         self.model = self.as_model(springs, hinges)
 
@@ -95,7 +121,8 @@ class ClothMesh(Elastic):
     @property
     def bytes(self) -> int:
         """Memory of points, springs, hinges and what the air needs [bytes]."""
-        return 8 * (self.count * 11 + self.springs * 5 + self.hinges * 7) + self.air.bytes
+        own = 8 * (self.count * 11 + self.springs * 5 + self.hinges * 7) + self.air.bytes
+        return own + (self.shell.bytes if self.shell else 0)
 
 
 class AirDrag:
@@ -121,6 +148,12 @@ class AirDrag:
         """Find drag for where the cloth is, and how fast."""
         if self.present:
             find_drag(mesh.count, self.wind, *self._factors, *self._tables, mesh.points, self.drag)
+
+
+def _shell(sheets: list[ClothSheet], fabrics: list[Fabric]) -> Shell:
+    from sim.cloth.shell.shell import Shell
+
+    return Shell(sheets, fabrics)
 
 
 def _near_first(parts: list[tuple[np.ndarray, ...]]) -> tuple[np.ndarray, ...]:

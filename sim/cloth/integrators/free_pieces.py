@@ -23,7 +23,7 @@ class FreePieces:
 
     def __init__(self, mesh: ClothMesh):
         self._count, self._mass = mesh.count, mesh.mass
-        self._pieces, self._piece = groups(mesh.ends[:, 0], mesh.ends[:, 1], mesh.count)
+        self._pieces, self._piece = groups(mesh.edges[:, 0], mesh.edges[:, 1], mesh.count)
         self._held = np.isin(np.arange(self._pieces), self._piece[mesh.held])
         self.free = 1.0 - self._held[self._piece]
         self.any = not self._held.all()

@@ -111,7 +111,7 @@ class ImplicitEuler:
         # What touches something is at rest more often than it falls.
         falls = self._rests if self.collisions.count else self._falls
         turning = trials.begin(mesh.total, since, falls, now, ago, past.position, past.velocity, mesh.model, trial)
-        if turning:
+        if self._newton.begin(turning > 0):
             # From beyond a spring that has gone through itself, Newton's method finds the cloth inside out.
             trials.stay(mesh.count, mesh.points, trial)
         self.collisions.begin(self._start, dt)

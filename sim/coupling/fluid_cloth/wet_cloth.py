@@ -90,7 +90,7 @@ class WetCloth:
         self._integrator = cloth.integrator
         self.reaction = SheetReaction(system)
         layer = system.spec.rest_density * system.spec.spacing
-        self.layer_mass_ratio = layer / min(item.sheet.mass_per_area for item in cloth.sheets)
+        self.layer_mass_ratio = layer / min(item.sheet.density for item in cloth.sheets)
         self.tightness = Tightness(cloth, system, origin)
         n = cloth.mesh.count
         self._steady, self._load, self._found, self._pressed = (vectors(np.zeros((n, 3))) for _ in range(4))

@@ -10,20 +10,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.cloth.fabric.arrays import integers, matrices
-from sim.cloth.fabric.layout import BlockMatrix
+from sim.cloth.fabric.arrays import integers, matrices, numbers
+from sim.cloth.fabric.layout import AlikeRows, BlockMatrix
+from sim.cloth.fabric.rows import BendingRows
 
 
 @dataclass(frozen=True)
 class Pattern:
-    """A matrix; `pairs`: number of pairs of points that meet."""
+    """A matrix, in two parts; `pairs`: points that meet, shape [p, 2]."""
 
-    pairs: int
+    pairs: np.ndarray
     matrix: BlockMatrix
+    alike: AlikeRows
 
 
-def find_pattern(springs: np.ndarray, hinges: np.ndarray, count: int) -> Pattern:
-    """For springs, shape [s, 2], and hinges, shape [h, 4], of so many points."""
+def find_pattern(
+    springs: np.ndarray, hinges: np.ndarray, count: int, edges: np.ndarray, bending: BendingRows
+) -> Pattern:
+    """For springs, shape [s, 2], and hinges, shape [h, 4], of so many points; and for the edges of a shell, shape
+    [e, 2], and its bending."""
     ends, elements = [springs], [-1 - np.arange(len(springs))]
     for one, other in itertools.combinations(range(4), 2):
         ends.append(hinges[:, [one, other]])
@@ -34,7 +39,8 @@ def find_pattern(springs: np.ndarray, hinges: np.ndarray, count: int) -> Pattern
     turned = element - element % 16 + 4 * (element % 4) + element % 16 // 4
     element = np.where(turn & (element >= 0), turned, element)
     order = np.lexsort((element, end[:, 1], end[:, 0]))
-    pair, first = np.unique(end[order], axis=0, return_index=True)
+    pair = np.unique(np.concatenate([end, edges]), axis=0)
+    first = np.searchsorted(end[order] @ [count, 1], pair @ [count, 1])
     row, column = np.concatenate([pair, pair[:, ::-1]]).T
     by_rows = np.lexsort((column, row))
     slot = np.empty(len(row), int)
@@ -49,4 +55,9 @@ def find_pattern(springs: np.ndarray, hinges: np.ndarray, count: int) -> Pattern
         diagonal=matrices(count),
         inertial_diagonal=matrices(count),
     )
-    return Pattern(len(pair), matrix)
+    alike = AlikeRows(
+        first_alike=integers(bending.first),
+        alike_column=integers(bending.column),
+        alike=numbers(np.zeros(len(bending.column))),
+    )
+    return Pattern(pair, matrix, alike)

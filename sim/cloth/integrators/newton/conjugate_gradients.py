@@ -8,7 +8,7 @@ time.
 """
 
 from sim.cloth.contact.augmented_lagrangian import admissible_force, on_body, separation, tangent_force, work_along
-from sim.cloth.fabric.layout import PARTITIONS, BlockMatrix, Contacts, CoupledBodies, Points
+from sim.cloth.fabric.layout import PARTITIONS, AlikeRows, BlockMatrix, Contacts, CoupledBodies, Points
 from sim.cloth.fabric.partition_sums import partition_start, sum_partitions
 from sim.cloth.integrators.newton.linear_system import (
     BETA,
@@ -38,7 +38,13 @@ FAR = 1e30
 
 @ti.func
 def _multiply(
-    i: ti.i32, points: ti.i32, p: ti.template(), bodies: ti.template(), matrix: ti.template(), e: ti.template()
+    i: ti.i32,
+    points: ti.i32,
+    p: ti.template(),
+    bodies: ti.template(),
+    matrix: ti.template(),
+    rows: ti.template(),
+    e: ti.template(),
 ) -> vec3:
     """Of A p, but for contacts, one row; returns its part of p.Ap."""
     q = vec3(0.0, 0.0, 0.0)
@@ -50,6 +56,8 @@ def _multiply(
         q = matrix.inertial_diagonal[i] @ own
         for k in range(matrix.first_block[i], matrix.first_block[i + 1]):
             q += matrix.off_diagonal[k] @ (e.direction[matrix.column[k]] - own)
+        for k in range(rows.first_alike[i], rows.first_alike[i + 1]):
+            q += rows.alike[k] * (e.direction[rows.alike_column[k]] - own)
     e.product[i] = q
     return vec3(0.0, q.dot(e.direction[i]), 0.0)
 
@@ -158,6 +166,7 @@ def solve_alone(
     contacts: Contacts,
     bodies: CoupledBodies,
     matrix: BlockMatrix,
+    alike_rows: AlikeRows,
     e: System,
 ) -> ti.i32:
     """On one thread, until r.z is not above `enough`; returns iterations, one more than `most` where that is not so."""
@@ -168,7 +177,7 @@ def solve_alone(
             made += 1
             curvature = vec3(0.0, 0.0, 0.0)
             for i in range(points + 2 * body_count):
-                curvature += _multiply(i, points, p, bodies, matrix, e)
+                curvature += _multiply(i, points, p, bodies, matrix, alike_rows, e)
             _begin_to_choose_step(curvature[1], e)
             for c in range(contact_count):
                 if contacts.active[c]:
@@ -201,6 +210,7 @@ def iterate(
     contacts: Contacts,
     bodies: CoupledBodies,
     matrix: BlockMatrix,
+    alike_rows: AlikeRows,
     e: System,
 ) -> ti.f64:
     """An iteration on all threads, for so many points, rows of points and bodies, and contacts; returns r.z.
@@ -210,7 +220,7 @@ def iterate(
     for partition in range(PARTITIONS):
         total = vec3(0.0, 0.0, 0.0)
         for i in range(partition_start(partition, rows), partition_start(partition + 1, rows)):
-            total += _multiply(i, points, p, bodies, matrix, e)
+            total += _multiply(i, points, p, bodies, matrix, alike_rows, e)
         e.sum_term[rows + partition] = total
     ti.loop_config(serialize=True)
     for _once in range(1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from sim.cloth.contact.collision import Collisions
 from sim.cloth.fabric.arrays import matrices, numbers, vectors
 from sim.cloth.fabric.layout import PARTITIONS
 from sim.cloth.fabric.mesh import ClothMesh
+from sim.cloth.fabric.rows import BendingRows
 from sim.cloth.integrators.newton import conjugate_gradients, linear_system, step_energy
 from sim.cloth.integrators.newton.block_matrix import find_pattern
 from sim.cloth.integrators.newton.linear_system import SETTLED, System
@@ -19,6 +21,9 @@ from sim.cloth.integrators.newton.trial import Trial
 from sim.cloth.spec import ImplicitEuler as Settings
 from sim.device.compiler import ti
 from sim.device.double import vec3
+
+if TYPE_CHECKING:
+    from sim.cloth.shell.newton import ShellNewton
 
 PASSES = 3
 """Times that the normal forces that bound friction are renewed in a solution, and one more."""
@@ -64,7 +69,9 @@ class Newton:
         self._weight = float(np.linalg.norm(gravity))
         self._mass = float(mesh.mass[~mesh.held].sum())
         self._bodies = collisions.bodies.count
-        self._pattern = find_pattern(mesh.ends, mesh.corners, n)
+        bending = mesh.shell.bending_rows() if mesh.shell else BendingRows.none(n)
+        self._pattern = find_pattern(mesh.ends, mesh.corners, n, mesh.edges, bending)
+        self._shell = _shell(mesh, self._pattern.pairs, bending) if mesh.shell else None
         self._element_arrays = {
             "spring_direction": vectors(np.zeros((s, 3))),
             "spring_tangent": vectors(np.zeros((s, 3))),
@@ -110,7 +117,7 @@ class Newton:
                 first, _ = self._balance(dt)
             if step == settings.max_newton:
                 break
-            step_energy.fill_off_diagonal(self._pattern.pairs, self._pattern.matrix, self._elements)
+            self._fill_off_diagonal(dt)
             made, ended = self._solve(first * settings.linear_error**2, REACH * displacement)
             iterations += made
             capped |= not ended
@@ -124,7 +131,7 @@ class Newton:
         """Find how points give way to forces where they are."""
         self._assess(dt)
         self._balance(dt)
-        step_energy.fill_off_diagonal(self._pattern.pairs, self._pattern.matrix, self._elements)
+        self._fill_off_diagonal(dt)
 
     def respond(self, load: ti.Ndarray, error: float) -> ti.Ndarray:
         """By what displacements [m] points give way to forces [N], by `linearize`; `error`: share of the forces that
@@ -134,13 +141,26 @@ class Newton:
         linear_system.respond(self.mesh.count, self._system, self._given)
         return self._given
 
+    def begin(self, turning: bool) -> bool:
+        """Begin a step; returns whether an edge turns by more than a right angle, or springs do."""
+        return (self._shell.begin(self.trial.start, self.trial.place) if self._shell else False) or turning
+
+    def _fill_off_diagonal(self, dt: float) -> None:
+        step_energy.fill_off_diagonal(len(self._pattern.pairs), self._pattern.matrix, self._elements)
+        if self._shell:
+            self._shell.fill_off_diagonal(dt, self._pattern.matrix, self._pattern.alike)
+
     def _assess(self, dt: float) -> float:
         mesh, contacts, rows = self.mesh, self.collisions.count, 2 * self._bodies
         first = mesh.count + mesh.springs + mesh.hinges
         if contacts or rows:
             tables = self.collisions.tables, self.collisions.bodies.tables, self.trial, self._elements["energy_term"]
             step_energy.assess_contacts(first, contacts, rows, *tables)
-        return step_energy.assess(mesh.air.present, contacts + rows, dt, mesh.model, self.trial, self._elements)
+        others = contacts + rows
+        if self._shell:
+            self._shell.assess(first + others, dt, self.trial.place, self._elements["energy_term"])
+            others += self._shell.terms
+        return step_energy.assess(mesh.air.present, others, dt, mesh.model, self.trial, self._elements)
 
     def _balance(self, dt: float) -> tuple[float, float]:
         """Find what forces are left; returns r.z, and the sum of r^2 / m over that of the forces that act: on cloth or
@@ -148,6 +168,9 @@ class Newton:
         mesh, collisions, bodies = self.mesh, self.collisions, self.collisions.bodies
         tables = mesh.model, self._pattern.matrix, self.trial, self._elements, self._system["force"]
         step_energy.differentiate(mesh.air.present, dt, *tables)
+        if self._shell:
+            tables = mesh.points, self._pattern.matrix, self._system["force"]
+            self._shell.differentiate(dt, self.trial.place, *tables)
         tables = collisions.tables, bodies.tables, self._pattern.matrix, self.trial, self._system
         first, *sums = linear_system.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
         # Without gravity, what would count as a change.
@@ -161,7 +184,8 @@ class Newton:
         cap. Contacts that are further than `reach` [m] from pressing do not; `linear`: contacts go on as they do."""
         mesh, most, contacts = self.mesh, self.settings.max_iterations, self.collisions.count
         collisions, bodies = self.collisions, self._bodies
-        parts = mesh.points, collisions.tables, collisions.bodies.tables, self._pattern.matrix, self._system
+        matrix = self._pattern.matrix, self._pattern.alike
+        parts = mesh.points, collisions.tables, collisions.bodies.tables, *matrix, self._system
         augmented_lagrangian.activate(contacts, reach, collisions.tables)
         if mesh.alone:
             made = conjugate_gradients.solve_alone(linear, mesh.count, bodies, contacts, most, enough, *parts)
@@ -206,6 +230,7 @@ class Newton:
         """Let there be room for the sums over all contacts."""
         mesh = self.mesh
         needed = self._rows + mesh.springs + mesh.hinges + self.collisions.count + PARTITIONS
+        needed += self._shell.terms if self._shell else 0
         if needed > self._term_room:
             self._term_room = needed + self.collisions.count
             sum_term = vectors(np.zeros((max(self._rows, 2 * self.collisions.count) + PARTITIONS, 3)))
@@ -216,8 +241,14 @@ class Newton:
     def bytes(self) -> int:
         """Memory of its vectors, of what springs and hinges add, and of its matrix [bytes]."""
         n, s, h = self.mesh.count, self.mesh.springs, self.mesh.hinges
-        own = n * (3 * 11 + 9 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + self._pattern.pairs * 18
-        return 8 * own
+        own = n * (3 * 11 + 9 + 9 + 9) + s * (3 + 3 + 2) + h * (12 + 4) + len(self._pattern.pairs) * 18
+        return 8 * own + (self._shell.bytes if self._shell else 0)
+
+
+def _shell(mesh: ClothMesh, pairs: np.ndarray, bending: BendingRows) -> ShellNewton:
+    from sim.cloth.shell.newton import ShellNewton
+
+    return ShellNewton(mesh.shell, mesh.shell_rest, pairs, bending)
 
 
 def _share(part: float, whole: float) -> float:

@@ -1,0 +1,132 @@
+"""Strain and stress of triangles, and the curvature around points, at places that are tried."""
+
+from typing import Any
+
+from sim.device.compiler import ti
+from sim.device.double import mat3, vec3
+
+COLLAPSED = 0.125
+"""Below this share of the area at rest, the barrier goes on as a parabola: it stays finite."""
+THIN = 1e-12
+"""A triangle whose area is less than this share of that at rest has no normal."""
+
+Frame: Any = ti.types.struct(warp=vec3, weft=vec3, normal=vec3, spread=ti.f64)
+"""Where warp and weft of unit length at rest are; the normal of both, and the area over that at rest."""
+
+
+@ti.func
+def frame(t: ti.i32, shell: ti.template(), place: ti.template()):
+    a, b, c = shell.shell_corner[3 * t], shell.shell_corner[3 * t + 1], shell.shell_corner[3 * t + 2]
+    u, v = shell.warp_slope[t], shell.weft_slope[t]
+    one, other = place[b] - place[a], place[c] - place[a]
+    found = Frame(warp=u[1] * one + u[2] * other, weft=v[1] * one + v[2] * other)
+    across = found.warp.cross(found.weft)
+    found.spread = across.norm()
+    if found.spread > THIN:
+        found.normal = across / found.spread
+    return found
+
+
+@ti.func
+def strain(f: ti.template()) -> vec3:
+    """Green's: along warp and weft, and the angle between both."""
+    return vec3(0.5 * (f.warp.norm_sqr() - 1.0), 0.5 * (f.weft.norm_sqr() - 1.0), f.warp.dot(f.weft))
+
+
+@ti.func
+def stress_of(t: ti.i32, e: vec3, shell: ti.template()) -> vec3:
+    """By strain, without the barrier [N/m]."""
+    c = shell.modulus[t]
+    return vec3(c[0] * e[0] + c[2] * e[1], c[2] * e[0] + c[1] * e[1], shell.shear_modulus[t] * e[2])
+
+
+@ti.func
+def barrier(spread: ti.f64) -> vec3:
+    """Of J - 1 - ln J: that, and its first and second derivatives."""
+    found = vec3(spread - 1.0 - ti.log(ti.max(spread, COLLAPSED)), 0.0, 0.0)
+    if spread >= COLLAPSED:
+        found[1], found[2] = 1.0 - 1.0 / spread, 1.0 / (spread * spread)
+    else:
+        beyond, slope, bend = spread - COLLAPSED, -1.0 / COLLAPSED, 1.0 / (COLLAPSED * COLLAPSED)
+        found[0] += beyond * (slope + 0.5 * bend * beyond)
+        found[1], found[2] = 1.0 + slope + bend * beyond, bend
+    return found
+
+
+@ti.func
+def pulling(s: vec3) -> vec3:
+    """The part of a stress whose principal values are positive: what pushes would make the energy bend down (Teran et
+    al. 2005)."""
+    middle, half = 0.5 * (s[0] + s[1]), 0.5 * (s[0] - s[1])
+    radius = ti.sqrt(half * half + s[2] * s[2])
+    high, low = middle + radius, middle - radius
+    found = s
+    if high <= 0.0:
+        found = vec3(0.0, 0.0, 0.0)
+    elif low < 0.0:
+        # high v v^T, v along the greater principal value
+        found = 0.5 * high * vec3(1.0 + half / radius, 1.0 - half / radius, s[2] / radius)
+    return found
+
+
+@ti.func
+def _widening(u: ti.f64, v: ti.f64, t: ti.i32, trial: ti.template()) -> vec3:
+    """How the area over that at rest grows as a corner goes on [1/m]."""
+    warp, weft, normal = trial.along_warp[t], trial.along_weft[t], trial.shell_normal[t]
+    return u * weft.cross(normal) + v * normal.cross(warp)
+
+
+@ti.func
+def corner_force(t: ti.i32, k: ti.i32, shell: ti.template(), trial: ti.template()) -> vec3:
+    """What a triangle does to one of its corners by stretching [N]."""
+    u, v, s = shell.warp_slope[t][k], shell.weft_slope[t][k], trial.stress[t]
+    warp, weft = trial.along_warp[t], trial.along_weft[t]
+    pull = u * (s[0] * warp + s[2] * weft) + v * (s[2] * warp + s[1] * weft)
+    return -shell.rest_area[t] * (pull + trial.stiffening[t][0] * _widening(u, v, t, trial))
+
+
+@ti.func
+def corner_block(t: ti.i32, k: ti.i32, m: ti.i32, shell: ti.template(), trial: ti.template()) -> mat3:
+    """How the force on corner k of a triangle falls as corner m goes on [N/m], without what is negative."""
+    uk, vk, um, vm = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.warp_slope[t][m], shell.weft_slope[t][m]
+    warp, weft, law = trial.along_warp[t], trial.along_weft[t], trial.stiffening[t]
+    c, p = law[2] * shell.modulus[t], trial.pulling_stress[t]
+    found = c[0] * uk * um * warp.outer_product(warp) + c[1] * vk * vm * weft.outer_product(weft)
+    found += c[2] * (uk * vm * warp.outer_product(weft) + vk * um * weft.outer_product(warp))
+    found += law[2] * shell.shear_modulus[t] * (uk * weft + vk * warp).outer_product(um * weft + vm * warp)
+    pull = p[0] * uk * um + p[1] * vk * vm + p[2] * (uk * vm + vk * um)
+    found += pull * mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    found += law[1] * _widening(uk, vk, t, trial).outer_product(_widening(um, vm, t, trial))
+    return shell.rest_area[t] * found
+
+
+@ti.func
+def normal_at(i: ti.i32, shell: ti.template(), place: ti.template()) -> vec3:
+    """Twice the area of the triangles around a point [m^2], along its normal."""
+    found = vec3(0.0, 0.0, 0.0)
+    for entry in range(shell.first_corner[i], shell.first_corner[i + 1]):
+        t = shell.of_corner[entry] // 3
+        a = place[shell.shell_corner[3 * t]]
+        b, c = place[shell.shell_corner[3 * t + 1]], place[shell.shell_corner[3 * t + 2]]
+        found += (b - a).cross(c - a)
+    return found
+
+
+@ti.func
+def bent(i: ti.i32, shell: ti.template(), place: ti.template()) -> mat3:
+    """The three kinds of curvature around a point as rows, each a vector [J^0.5]."""
+    found = ti.Matrix.zero(ti.f64, 3, 3)
+    for entry in range(shell.first_beside[i], shell.first_beside[i + 1]):
+        found += shell.bend_weight[entry].outer_product(place[shell.beside[entry]] - place[i])
+    return found
+
+
+@ti.func
+def curvature(i: ti.i32, shell: ti.template(), place: ti.template()) -> vec3:
+    """The three kinds of curvature around a point along its normal [J^0.5]."""
+    normal = normal_at(i, shell, place)
+    size = normal.norm()
+    found = vec3(0.0, 0.0, 0.0)
+    if size > 0.0:
+        found = bent(i, shell, place) @ (normal / size)
+    return found
