@@ -17,6 +17,15 @@ INTEGRATORS = {
 """By the name they have in a scene, beside those of installed packages."""
 
 
-def load_integrator(name: str) -> type[Any]:
+OF_SHELLS = {
+    **INTEGRATORS,
+    "symplectic_euler": "sim.cloth.shell.euler:ShellEuler",
+    "xpbd": "sim.cloth.shell.xpbd:ShellXPBD",
+}
+"""The same for shells."""
+
+
+def load_integrator(name: str, model: str = "springs") -> type[Any]:
     """The class of an integrator; only the chosen one is imported."""
-    return load(INTEGRATORS[name] if name in INTEGRATORS else added("integrators")[name].IMPLEMENTATION)
+    known = OF_SHELLS if model == "fem" else INTEGRATORS
+    return load(known[name] if name in known else added("integrators")[name].IMPLEMENTATION)

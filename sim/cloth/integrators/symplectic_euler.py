@@ -79,8 +79,11 @@ class SymplecticEuler(SmallSteps):
 
 def longest_step(mesh: Elastic) -> float:
     """The longest stable step [s]; infinite without stiffness or free points."""
-    stiffness = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
-    damping = _row_sums(mesh, mesh.damping, mesh.bend_damping)
+    if mesh.shell is not None:
+        stiffness, damping = mesh.shell.row_sums()
+    else:
+        stiffness = _row_sums(mesh, mesh.stiffness, mesh.rigidity)
+        damping = _row_sums(mesh, mesh.damping, mesh.bend_damping)
     free = ~mesh.held & (stiffness > 0)
     if not free.any():
         return math.inf

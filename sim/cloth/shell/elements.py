@@ -130,3 +130,52 @@ def curvature(i: ti.i32, shell: ti.template(), place: ti.template()) -> vec3:
     if size > 0.0:
         found = bent(i, shell, place) @ (normal / size)
     return found
+
+
+@ti.func
+def bending_energy(i: ti.i32, kinds: mat3, along: vec3, shell: ti.template()) -> ti.f64:
+    """Of the curvatures around a point, as vectors and along its normal [J]. Where sheets are flat at rest, all of the
+    vectors count: they have a direction where the cloth is folded so sharply that its normal has none. Of a mesh that is
+    curved at rest they have parts along it, too, that are no curvature."""
+    flat, rest = shell.flat_at_rest[i], shell.rest_curvature[i]
+    squares = flat * (kinds * kinds).sum() + (1.0 - flat) * along.norm_sqr()
+    return 0.5 * (squares + rest.norm_sqr()) - rest.dot(along)
+
+
+@ti.func
+def normal_rate_at(i: ti.i32, shell: ti.template(), place: ti.template(), velocity: ti.template()) -> vec3:
+    """The rate of `normal_at` [m^2/s]."""
+    found = vec3(0.0, 0.0, 0.0)
+    for entry in range(shell.first_corner[i], shell.first_corner[i + 1]):
+        t = shell.of_corner[entry] // 3
+        a, b, c = shell.shell_corner[3 * t], shell.shell_corner[3 * t + 1], shell.shell_corner[3 * t + 2]
+        one, other = place[b] - place[a], place[c] - place[a]
+        found += (velocity[b] - velocity[a]).cross(other) + one.cross(velocity[c] - velocity[a])
+    return found
+
+
+@ti.func
+def strain_rate(t: ti.i32, f: ti.template(), shell: ti.template(), velocity: ti.template()) -> vec3:
+    """The rate of `strain` [1/s]."""
+    a, b, c = shell.shell_corner[3 * t], shell.shell_corner[3 * t + 1], shell.shell_corner[3 * t + 2]
+    u, v = shell.warp_slope[t], shell.weft_slope[t]
+    one, other = velocity[b] - velocity[a], velocity[c] - velocity[a]
+    warp, weft = u[1] * one + u[2] * other, v[1] * one + v[2] * other
+    return vec3(f.warp.dot(warp), f.weft.dot(weft), f.warp.dot(weft) + f.weft.dot(warp))
+
+
+@ti.func
+def shell_force(i: ti.i32, shell: ti.template(), trial: ti.template(), place: ti.template()) -> vec3:
+    """What stretching and bending do to a point [N], by stress and moments."""
+    found = vec3(0.0, 0.0, 0.0)
+    for entry in range(shell.first_corner[i], shell.first_corner[i + 1]):
+        t, k = shell.of_corner[entry] // 3, shell.of_corner[entry] % 3
+        found += corner_force(t, k, shell, trial)
+        a, b = shell.shell_corner[3 * t + (k + 1) % 3], shell.shell_corner[3 * t + (k + 2) % 3]
+        push = trial.normal_push[i] + trial.normal_push[a] + trial.normal_push[b]
+        found -= (place[a] - place[b]).cross(push)
+    for entry in range(shell.first_beside[i], shell.first_beside[i + 1]):
+        j, w, mirror = shell.beside[entry], shell.bend_weight[entry], shell.bend_weight[shell.mirrored[entry]]
+        found += w[0] * trial.warp_moment[i] + w[1] * trial.weft_moment[i] + w[2] * trial.twist_moment[i]
+        found -= mirror[0] * trial.warp_moment[j] + mirror[1] * trial.weft_moment[j] + mirror[2] * trial.twist_moment[j]
+    return found

@@ -3,7 +3,7 @@
 from sim.cloth.fabric.energy_sums import Partitions, vec5
 from sim.cloth.fabric.layout import PARTITIONS, Points
 from sim.cloth.fabric.partition_sums import partition_start
-from sim.cloth.shell.elements import barrier, bent, curvature, frame, strain, stress_of
+from sim.cloth.shell.elements import barrier, bending_energy, bent, curvature, frame, strain, stress_of
 from sim.cloth.shell.layout import ShellRest
 from sim.device.compiler import ti
 
@@ -22,9 +22,7 @@ def measure(triangles: ti.i32, points: ti.i32, p: Points, shell: ShellRest, part
             greatest = 0.5 * (e[0] + e[1]) + ti.sqrt(half * half + 0.25 * e[2] * e[2])
             stretch = ti.max(stretch, ti.sqrt(ti.max(1.0 + 2.0 * greatest, 0.0)))
         for i in range(partition_start(partition, points), partition_start(partition + 1, points)):
-            kinds, rest = bent(i, shell, p.position), shell.rest_curvature[i]
-            along = curvature(i, shell, p.position)
-            elastic += 0.5 * (kinds * kinds).sum() - rest.dot(along) + 0.5 * rest.norm_sqr()
+            elastic += bending_energy(i, bent(i, shell, p.position), curvature(i, shell, p.position), shell)
         partitions[partition] = vec5(0.0, 0.0, elastic, 0.0, stretch)
     found = vec5(0.0, 0.0, 0.0, 0.0, 0.0)
     ti.loop_config(serialize=True)

@@ -53,8 +53,9 @@ def _bending(shell: Shell, places: np.ndarray, velocities: np.ndarray) -> np.nda
     size = np.maximum(np.linalg.norm(size, axis=1), 1e-300)[:, None]
     turning = (turning - (turning * normal).sum(axis=1)[:, None] * normal) / size
     since = np.einsum("nkx,nx->nk", bending.bent(velocities), normal) + np.einsum("nkx,nx->nk", kinds, turning)
-    moment = bending.delay[:, None] * since - shell.curvature(shell.places)
-    whole = kinds + moment[:, :, None] * normal[:, None, :]
+    flat, along = shell.flat[:, None], np.einsum("nkx,nx->nk", kinds, normal)
+    moment = (1 - flat) * along + bending.delay[:, None] * since - shell.rest_curvature
+    whole = flat[:, :, None] * kinds + moment[:, :, None] * normal[:, None, :]
     lean = np.einsum("nkx,nk->nx", kinds, moment)
     push = (lean - (lean * normal).sum(axis=1)[:, None] * normal) / size
     force = -bending.spread(whole)

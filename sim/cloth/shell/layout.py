@@ -20,12 +20,14 @@ ShellRest = argpack(
     mirrored=Integers,
     bend_delay=Numbers,
     rest_curvature=Vectors,
+    flat_at_rest=Numbers,
 )
 """At rest. Triangles: corners; slopes of what is 1 at one corner, of all three, along the warp and the weft [1/m]; the
 area [m^2]; moduli of warp, weft and both, of shear, and of the barrier [N/m]; the delay of stress [s]; and the triangles
 of each point, as 3 triangle + corner from first_corner[i] to first_corner[i + 1]. Bending: points beside each, from
 first_beside[i] to first_beside[i + 1]; their three weights [(N/m)^0.5]; the entry with both in turn; the delay of
-moments [s], and the curvatures at rest [J^0.5]."""
+moments [s], and the curvatures at rest [J^0.5], and 1 in sheets that are
+flat then, or 0."""
 
 ShellTrial = argpack(
     along_warp=Vectors,

@@ -13,6 +13,13 @@ from sim.cloth.shell.shell import Shell
 from sim.device.compiler import ti
 
 
+def trial_arrays(shell: Shell) -> ShellTrial:
+    """Room for what a shell is at places that are tried."""
+    faces, points = np.zeros((shell.triangles, 3)), np.zeros((shell.count, 3))
+    of_points = ("warp_moment", "weft_moment", "twist_moment", "normal_push", "curvature_before")
+    return ShellTrial(**{name: vectors(points if name in of_points else faces) for name in ShellTrial.members})
+
+
 class ShellNewton:
     """What a shell adds at the places that are tried; `pairs`, shape [p, 2]: all pairs of points in the matrix."""
 
@@ -21,11 +28,7 @@ class ShellNewton:
         """Of its energy."""
         self._count, self._triangles, self._pairs = shell.count, shell.triangles, len(pairs)
         self._rest = rest
-        faces, points = np.zeros((shell.triangles, 3)), np.zeros((shell.count, 3))
-        of_points = ("warp_moment", "weft_moment", "twist_moment", "normal_push", "curvature_before")
-        self._trial = ShellTrial(
-            **{name: vectors(points if name in of_points else faces) for name in ShellTrial.members}
-        )
+        self._trial = trial_arrays(shell)
         first, side = _sides(shell.membrane.corners, pairs, shell.count)
         self._first, self._side = integers(first), integers(side)
         self._stiffness, self._row = numbers(bending.stiffness), numbers(bending.diagonal)

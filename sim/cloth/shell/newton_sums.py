@@ -7,13 +7,14 @@ before the step: turning is not damped.
 from sim.cloth.fabric.layout import AlikeRows, BlockMatrix, Points
 from sim.cloth.shell.elements import (
     barrier,
+    bending_energy,
     bent,
     corner_block,
-    corner_force,
     curvature,
     frame,
     normal_at,
     pulling,
+    shell_force,
     strain,
     stress_of,
 )
@@ -72,8 +73,9 @@ def assess(
             unit = normal / size
             along = kinds @ unit
         since = along - trial.curvature_before[i]
-        moment = slow * since - rest
-        whole = kinds + moment.outer_product(unit)
+        flat = shell.flat_at_rest[i]
+        moment = (1.0 - flat) * along + slow * since - rest
+        whole = flat * kinds + moment.outer_product(unit)
         trial.warp_moment[i] = vec3(whole[0, 0], whole[0, 1], whole[0, 2])
         trial.weft_moment[i] = vec3(whole[1, 0], whole[1, 1], whole[1, 2])
         trial.twist_moment[i] = vec3(whole[2, 0], whole[2, 1], whole[2, 2])
@@ -81,24 +83,8 @@ def assess(
         trial.normal_push[i] = vec3(0.0, 0.0, 0.0)
         if size > 0.0:
             trial.normal_push[i] = (lean - unit.dot(lean) * unit) / size
-        stored = 0.5 * (kinds * kinds).sum() - rest.dot(along) + 0.5 * rest.norm_sqr()
+        stored = bending_energy(i, kinds, along, shell)
         energy_term[first + triangles + i] = stored + 0.5 * slow * since.norm_sqr()
-
-
-@ti.func
-def _force(i: ti.i32, shell: ti.template(), trial: ti.template(), place: ti.template()) -> vec3:
-    found = vec3(0.0, 0.0, 0.0)
-    for entry in range(shell.first_corner[i], shell.first_corner[i + 1]):
-        t, k = shell.of_corner[entry] // 3, shell.of_corner[entry] % 3
-        found += corner_force(t, k, shell, trial)
-        a, b = shell.shell_corner[3 * t + (k + 1) % 3], shell.shell_corner[3 * t + (k + 2) % 3]
-        push = trial.normal_push[i] + trial.normal_push[a] + trial.normal_push[b]
-        found -= (place[a] - place[b]).cross(push)
-    for entry in range(shell.first_beside[i], shell.first_beside[i + 1]):
-        j, w, mirror = shell.beside[entry], shell.bend_weight[entry], shell.bend_weight[shell.mirrored[entry]]
-        found += w[0] * trial.warp_moment[i] + w[1] * trial.weft_moment[i] + w[2] * trial.twist_moment[i]
-        found -= mirror[0] * trial.warp_moment[j] + mirror[1] * trial.weft_moment[j] + mirror[2] * trial.twist_moment[j]
-    return found
 
 
 @ti.kernel
@@ -116,7 +102,7 @@ def differentiate(
     """Add forces, and blocks of the diagonal; `row_stiffness`: those of bending [N/m]."""
     for i in range(points):
         if p.mobile[i]:
-            force[i] += _force(i, shell, trial, place)
+            force[i] += shell_force(i, shell, trial, place)
             found = ti.Matrix.zero(ti.f64, 3, 3)
             for entry in range(shell.first_corner[i], shell.first_corner[i + 1]):
                 t, k = shell.of_corner[entry] // 3, shell.of_corner[entry] % 3

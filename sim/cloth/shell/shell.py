@@ -14,6 +14,10 @@ from sim.cloth.spec import ClothSheet
 from sim.geometry.pose import Pose
 
 
+FLAT = 1e-6
+"""Points that are no further from a plane than this share of their sheet's size, as a root of squares, lie in it."""
+
+
 class Shell:
     """Triangles and curvatures of all sheets, numbered through; on the device, `rest` is all of them."""
 
@@ -34,6 +38,10 @@ class Shell:
         self.bending = _one_after_another([part for _, part in found], starts)
         self.places = np.concatenate(rests)
         """At rest [m], shape [n, 3], each sheet by itself."""
+        self.rest_curvature = self.curvature(self.places)
+        """Shape [n, 3], [J^0.5]."""
+        self.flat = np.concatenate([np.full(len(rest), float(_flat(rest))) for rest in rests])
+        """1 in sheets that are flat at rest, else 0, shape [n]."""
         self.triangles = len(self.membrane.area)
         self.edges = np.unique(np.sort(edges_of(self.membrane.corners), axis=1), axis=0)
 
@@ -45,6 +53,23 @@ class Shell:
         squares = membrane.slopes**2
         held = squares[..., 0] * (warp + shear)[:, None] + squares[..., 1] * (weft + shear)[:, None]
         return np.bincount(membrane.corners.ravel(), (membrane.area[:, None] * held).ravel(), minlength=self.count)
+
+    def row_sums(self) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds of how stretching and bending push points back [N/m], and of how they damp them [kg/s], shape [n]: sums
+        of the norms of blocks of rows (Gershgorin), at rest."""
+        membrane, bending = self.membrane, self.bending
+        u, v = membrane.slopes[..., 0], membrane.slopes[..., 1]
+        strains = np.zeros((self.triangles, 3, 3, 2))
+        strains[:, :, 0, 0], strains[:, :, 1, 1] = u, v
+        strains[:, :, 2, 0], strains[:, :, 2, 1] = v, u
+        blocks = np.einsum("tkia,tij,tmjb->tkmab", strains, membrane.stiffness, strains)
+        norms = membrane.area[:, None] * np.linalg.norm(blocks, ord=2, axis=(3, 4)).sum(axis=2)
+        rows = abs(bending.matrix()).sum(axis=1)
+        found = []
+        for of_faces, of_points in ((np.ones(self.triangles), 1.0), (membrane.delay, bending.delay)):
+            weights = (norms * of_faces[:, None]).ravel()
+            found.append(np.bincount(membrane.corners.ravel(), weights, minlength=self.count) + rows * of_points)
+        return found[0], found[1]
 
     def bending_rows(self) -> BendingRows:
         """The second derivatives of bending."""
@@ -89,13 +114,19 @@ class Shell:
             bend_weight=vectors(bending.weights),
             mirrored=integers(mirrored),
             bend_delay=numbers(bending.delay),
-            rest_curvature=vectors(self.curvature(self.places)),
+            rest_curvature=vectors(self.rest_curvature),
+            flat_at_rest=numbers(self.flat),
         )
 
     @property
     def bytes(self) -> int:
         """Memory of it on the device [bytes]."""
         return 8 * (16 * self.triangles + 5 * self.count) + 32 * len(self.bending.points)
+
+
+def _flat(points: np.ndarray) -> bool:
+    """Whether they lie in a plane."""
+    return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < FLAT * np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def _together(parts: list[Membrane], starts: list[int]) -> Membrane:

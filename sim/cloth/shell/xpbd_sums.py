@@ -1,0 +1,152 @@
+"""Triangles and curvatures of a shell as constraints of extended position-based dynamics.
+
+An energy k C^2 / 2 is the constraint C with the compliance 1 / k (Macklin et al. 2016). Of a triangle, C are the three
+strains, which are solved for together, with the matrix of its stiffness; then its area, whose energy is not quadratic,
+by its slope and curvature here. Around a point, C are the three kinds of curvature, each a vector.
+"""
+
+from typing import Any
+
+from sim.cloth.contact.projection import mobility
+from sim.cloth.fabric.air_drag import braked
+from sim.cloth.fabric.layout import Drag, Points, StepMotion
+from sim.cloth.shell.elements import barrier, curvature, frame, normal_at, strain, stress_of
+from sim.cloth.shell.layout import ShellRest
+from sim.device.argument_packs import argpack
+from sim.device.compiler import ti
+from sim.device.double import Integers, Numbers, Vectors, mat3, vec3
+
+ShellMultipliers: Any = argpack(
+    strain_before=Vectors,
+    curvature_before=Vectors,
+    stress_multiplier=Vectors,
+    area_multiplier=Numbers,
+    bend_multiplier=Vectors,
+)
+"""Strains of triangles and curvatures of points before a substep; multipliers of strains and areas of triangles, and of
+the three curvatures of each point."""
+
+
+@ti.kernel
+def predict(
+    airy: ti.template(),
+    triangles: ti.i32,
+    points: ti.i32,
+    dt: ti.f64,
+    left: ti.i32,
+    gravity: vec3,
+    wind: vec3,
+    p: Points,
+    d: Drag,
+    shell: ShellRest,
+    multipliers: ShellMultipliers,
+    motion: StepMotion,
+):
+    """Begin a substep: remember what is, and take points to where they would go by themselves; `left`: substeps until
+    held points are at their targets."""
+    for t in range(triangles):
+        multipliers.strain_before[t] = strain(frame(t, shell, p.position))
+        multipliers.stress_multiplier[t] = vec3(0.0, 0.0, 0.0)
+        multipliers.area_multiplier[t] = 0.0
+    for i in range(points):
+        multipliers.curvature_before[i] = curvature(i, shell, p.position)
+        for kind in ti.static(range(3)):
+            multipliers.bend_multiplier[3 * i + kind] = vec3(0.0, 0.0, 0.0)
+    for i in range(points):
+        x = p.position[i]
+        motion.before[i] = x
+        if p.mobile[i]:
+            v = p.velocity[i] + dt * gravity
+            if ti.static(airy):
+                v = braked(i, p.mass[i], dt, p.mass[i] * v, wind, d)
+            p.position[i] = x + dt * v
+        else:
+            p.position[i] = x + (motion.target[i] - x) / ti.cast(left, ti.f64)
+
+
+@ti.func
+def _stiffness(t: ti.i32, shell: ti.template()) -> mat3:
+    c, shear = shell.modulus[t], shell.shear_modulus[t]
+    return mat3([[c[0], c[2], 0.0], [c[2], c[1], 0.0], [0.0, 0.0, shear]])
+
+
+@ti.kernel
+def project_strains(
+    first: ti.i32,
+    last: ti.i32,
+    dt: ti.f64,
+    order: Integers,
+    p: Points,
+    shell: ShellRest,
+    multipliers: ShellMultipliers,
+):
+    """Solve the triangles of one colour, `first` up to, without, `last` of the order."""
+    for entry in range(first, last):
+        t = order[entry]
+        f = frame(t, shell, p.position)
+        e = strain(f)
+        slow, soft = shell.stretch_delay[t] / dt, 1.0 / (dt * dt)
+        stiff = shell.rest_area[t] * _stiffness(t, shell)
+        unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        met = ti.Matrix.zero(ti.f64, 3, 3)
+        for k in ti.static(range(3)):
+            u, v, w = shell.warp_slope[t][k], shell.weft_slope[t][k], mobility(p, shell.shell_corner[3 * t + k])
+            one, other, both = u * f.warp, v * f.weft, u * f.weft + v * f.warp
+            rows = mat3([[one[0], one[1], one[2]], [other[0], other[1], other[2]], [both[0], both[1], both[2]]])
+            met += w * rows @ rows.transpose()
+        push = stiff @ (e + slow * (e - multipliers.strain_before[t])) + soft * multipliers.stress_multiplier[t]
+        change = -((1.0 + slow) * stiff @ met + soft * unit).inverse() @ push
+        multipliers.stress_multiplier[t] += change
+        for k in ti.static(range(3)):
+            u, v, i = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.shell_corner[3 * t + k]
+            turn = change[0] * u * f.warp + change[1] * v * f.weft + change[2] * (u * f.weft + v * f.warp)
+            p.position[i] += mobility(p, i) * turn
+        f = frame(t, shell, p.position)
+        law = shell.rest_area[t] * shell.barrier[t] * barrier(f.spread)
+        over = ti.cast(0.0, ti.f64)
+        for k in ti.static(range(3)):
+            u, v, w = shell.warp_slope[t][k], shell.weft_slope[t][k], mobility(p, shell.shell_corner[3 * t + k])
+            over += w * (u * f.weft.cross(f.normal) + v * f.normal.cross(f.warp)).norm_sqr()
+        spread = -(law[1] + soft * multipliers.area_multiplier[t]) / (law[2] * over + soft)
+        multipliers.area_multiplier[t] += spread
+        for k in ti.static(range(3)):
+            u, v, i = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.shell_corner[3 * t + k]
+            p.position[i] += mobility(p, i) * spread * (u * f.weft.cross(f.normal) + v * f.normal.cross(f.warp))
+
+
+@ti.kernel
+def project_curvatures(
+    first: ti.i32,
+    last: ti.i32,
+    dt: ti.f64,
+    order: Integers,
+    p: Points,
+    shell: ShellRest,
+    multipliers: ShellMultipliers,
+):
+    """Solve the curvatures of the points of one colour, `first` up to, without, `last` of the order."""
+    for entry in range(first, last):
+        i = order[entry]
+        slow, soft = shell.bend_delay[i] / dt, 1.0 / (dt * dt)
+        normal = normal_at(i, shell, p.position)
+        size = normal.norm()
+        if size > 0.0:
+            normal = normal / size
+        for kind in ti.static(range(3)):
+            bend, own, inverse_mass = vec3(0.0, 0.0, 0.0), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+            for k in range(shell.first_beside[i], shell.first_beside[i + 1]):
+                weight, j = shell.bend_weight[k][kind], shell.beside[k]
+                bend += weight * (p.position[j] - p.position[i])
+                own += weight
+                inverse_mass += weight * weight * mobility(p, j)
+            inverse_mass += own * own * mobility(p, i)
+            since = bend.dot(normal) - multipliers.curvature_before[i][kind]
+            flat, along = shell.flat_at_rest[i], bend.dot(normal)
+            push = flat * bend + ((1.0 - flat) * along + slow * since - shell.rest_curvature[i][kind]) * normal
+            push += soft * multipliers.bend_multiplier[3 * i + kind]
+            change = -push / ((1.0 + slow) * inverse_mass + soft)
+            multipliers.bend_multiplier[3 * i + kind] += change
+            for k in range(shell.first_beside[i], shell.first_beside[i + 1]):
+                j = shell.beside[k]
+                p.position[j] += mobility(p, j) * shell.bend_weight[k][kind] * change
+            p.position[i] -= mobility(p, i) * own * change
