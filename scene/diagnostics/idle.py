@@ -45,6 +45,7 @@ def _within(path: Location, names: str, on: str, counts: Callable[[Any], bool], 
     return Dependence(tuple((*path, name) for name in names.split()), (*path, on), counts, because)
 
 
+_SHEET: Location = ("cloth", "sheets", ANY)
 _NO_MASS = "a body of motion: {value} obeys no forces, whatever it weighs: add `motion: dynamic`, or remove it"
 _OFF = "strength: 0 switches this light off: raise strength, or remove it"
 DEPENDENCES = (
@@ -57,6 +58,19 @@ DEPENDENCES = (
         "iteration: jacobi damps nothing: change iteration to conjugate_gradients, or remove it",
     ),
     *_sections("cloth", Cloth, "integrator"),
+    Dependence(
+        tuple((*_SHEET, name) for name in ("bend_model", "damping", "bend_damping")),
+        ("cloth", "model"),
+        lambda value: value == "springs",
+        "it is for masses and springs, and a shell is damped by damping_time and bend_damping_time of its fabric: "
+        "give these, or remove it",
+    ),
+    Dependence(
+        tuple((*_SHEET, name) for name in ("stretch_stiffness", "shear_stiffness", "bend_stiffness")),
+        (*_SHEET, "fabric", "type"),
+        lambda value: value is None,
+        "fabric: {value} brings a stiffness of its own: change it there, as warp_stiffness, or remove it",
+    ),
     _within(("rigid", "bodies", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),
     _within(("events", ANY, "add", "rigid", ANY), "density mass", "motion", lambda value: value == "dynamic", _NO_MASS),
     _within(
@@ -109,7 +123,7 @@ def cautions(scene: Scene) -> Iterator[Caution]:
     for dependence in DEPENDENCES:
         for setting in dependence.settings:
             for place in _given(data, setting):
-                on = tuple(key if part == ANY else part for part, key in zip(dependence.on, place, strict=False))
+                on = tuple(place[k] if part == ANY else part for k, part in enumerate(dependence.on))
                 value = _value(whole, on)
                 if not dependence.counts(value) and on not in varied:
                     yield Caution(f"changes nothing: {dependence.because.format(value=value)}", place)

@@ -107,12 +107,17 @@ def _cloth(spec: SimulationSpec, placed: PlacedScene) -> Iterator[Line]:
     if spec.cloth is None:
         return
     points = sum(len(item.fabric.points) for item in placed.sheets)
-    yield Line("cloth", f"{points:,} points by {spec.cloth.integrator.replace('_', ' ')}, with contacts of its own")
+    integrator, shell = spec.cloth.integrator.replace("_", " "), spec.cloth.model == "fem"
+    yield Line("cloth", f"{points:,} points by {integrator}, with contacts of its own")
+    if shell:
+        triangles = sum(len(item.fabric.triangles) for item in placed.sheets)
+        yield Line("cloth.model", f"{triangles:,} finite elements resist stretching, warp and weft on their own")
     if spec.cloth.air is not None:
         yield Line("cloth.air", "drag and wind on every triangle")
-    bends = any(sheet.bend_stiffness for sheet in spec.cloth.sheets.values())
+    bends = any(sheet.bends if shell else sheet.bend_stiffness for sheet in spec.cloth.sheets.values())
     if bends:
-        yield Line("cloth.sheets", "hinges between triangles resist bending")
+        what = "curvatures around points" if shell else "hinges between triangles"
+        yield Line("cloth.sheets", f"{what} resist bending")
 
 
 def _couplings(spec: SimulationSpec) -> Iterator[Line]:

@@ -35,9 +35,7 @@ class Fabric:
     """Of a strip cut at 45 degrees."""
 
 
-def _measured(
-    mass: float, membrane: tuple[float, float, float, float], bending: tuple[float, float, float]
-) -> Fabric:
+def _measured(mass: float, membrane: tuple[float, float, float, float], bending: tuple[float, float, float]) -> Fabric:
     """membrane: K11, K12, K22 and K33 [N/m]; bending: at 0, 45 and 90 degrees [1e-6 N m]."""
     weft, coupling, warp, shear = membrane
     along, bias, across = (1e-6 * value for value in bending)
@@ -64,6 +62,6 @@ MEASURED: dict[str, Fabric] = {
     "trousers": _measured(0.22, (2016.55456, 9.170511, 2034.97644, 104.759674), (125.409805, 215.412750, 223.861038)),
     "windbreaker": _measured(0.113, (43.067627, 54.373299, 171.424835, 14.3147), (14.293814, 30.011126, 18.363136)),
 }
-"""Blanket: polyester. Cotton knit: underwear, 95 % cotton, 5 % spandex. Denim: jeans of 11 oz, 99 % cotton, 1 % spandex.
-Jersey: a T-shirt, 60 % cotton, 40 % polyester. Ponte: a jacket, 60 % polyester, 40 % rayon. Swimwear: 87 % nylon, 13 %
-spandex. Tablecloth: polyester. Trousers: 65 % cotton, 35 % polyester. Windbreaker: a jacket, polyester."""
+"""Blanket: polyester. Cotton knit: underwear, 95 % cotton, 5 % spandex. Denim: jeans of 11 oz, 99 % cotton, 1 %
+spandex. Jersey: a T-shirt, 60 % cotton, 40 % polyester. Ponte: a jacket, 60 % polyester, 40 % rayon. Swimwear: 87 %
+nylon, 13 % spandex. Tablecloth: polyester. Trousers: 65 % cotton, 35 % polyester. Windbreaker: a jacket, polyester."""

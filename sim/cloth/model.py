@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from sim.cloth.fabric.state import ClothState
 from sim.cloth.spec import Cloth, ClothSheet
 from sim.geometry.pose import Pose
 
+if TYPE_CHECKING:
+    from sim.cloth.shell.sheet import SheetShell
+
 
 @dataclass(frozen=True)
 class PlacedSheet:
@@ -37,6 +41,8 @@ class PlacedSheet:
     """Those that pins move."""
     moved: np.ndarray | None = None
     """Where its points begin instead, since it is placed through something [m], shape [n, 3]."""
+    shell: SheetShell | None = None
+    """What it is instead of springs and hinges, with `model: fem`."""
 
     @property
     def begins(self) -> np.ndarray:
@@ -64,10 +70,23 @@ def find_sheets(cloth: Cloth, folder: Path) -> list[PlacedSheet]:
     for name, sheet in cloth.sheets.items():
         try:
             fabric = weave(sheet, folder)
-            found.append(PlacedSheet(name, sheet, fabric, *find_pins(sheet, fabric)))
+            shell = _find_shell(sheet, fabric) if cloth.model == "fem" else None
+            found.append(PlacedSheet(name, sheet, fabric, *find_pins(sheet, fabric), shell=shell))
         except Refused as refused:
             raise refused.at("cloth", "sheets", name) from None
     return found
+
+
+def _find_shell(sheet: ClothSheet, fabric: Fabric) -> SheetShell:
+    from sim.cloth.shell.sheet import find_shell
+
+    return find_shell(sheet, fabric)
+
+
+def shells_of(sheets: list[PlacedSheet]) -> list[SheetShell] | None:
+    """What they are instead of springs and hinges; None with these."""
+    shells = [item.shell for item in sheets if item.shell]
+    return shells or None
 
 
 class ClothModel:
@@ -102,7 +121,7 @@ class ClothModel:
             settings.air,
             gravity,
             solids.points,
-            settings.model,
+            shells_of(sheets),
         )
         self.solids = solids
         self._gravity = np.asarray(gravity)
@@ -112,7 +131,9 @@ class ClothModel:
             forces = limit[:, 0], normal_force[:, 0], friction_force
             self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, *forces)
         self._refuse_jumps(position, time)
-        self.integrator = load_integrator(settings.integrator, settings.model)(self.mesh, gravity, settings, self.collisions)
+        self.integrator = load_integrator(settings.integrator, settings.model)(
+            self.mesh, gravity, settings, self.collisions
+        )
         if self.integrator.past and len(state.past_position) == self.mesh.count:
             self.integrator.past.recall(state.past_position, state.past_velocity, state.past_step)
         self._meter = Meter(self.mesh)

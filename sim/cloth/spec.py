@@ -199,6 +199,13 @@ class ClothSheet(Placement):
         return self
 
 
+def _unwoven(sheet: ClothSheet) -> str | None:
+    """Why masses and springs can not be it, and what would help."""
+    if sheet.fabric == FabricSettings():
+        return None
+    return "fabric is for a shell of finite elements: add `model: fem` to `cloth`, or remove it"
+
+
 def _unfit(sheet: ClothSheet) -> str | None:
     """Why it can not be a shell, and what would help."""
     fabric = sheet.resistance
@@ -299,9 +306,9 @@ class Cloth(Settings):
     @model_validator(mode="after")
     def _suits_its_model(self) -> Self:
         for name, sheet in self.sheets.items():
-            reason = _unfit(sheet) if self.model == "fem" else None
+            reason = _unfit(sheet) if self.model == "fem" else _unwoven(sheet)
             if reason:
-                raise ValueError(f"sheets.{name}: {reason}")
+                raise ValueError(f"sheets.{name}.{reason}")
         return self
 
     @property

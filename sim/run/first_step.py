@@ -110,12 +110,14 @@ def _explicit_step(placed: PlacedScene, settings: Cloth) -> float:
     """The longest explicit step of the cloth [s]; infinite where it takes none."""
     from sim.cloth import load_integrator
     from sim.cloth.fabric.mesh import Elastic
+    from sim.cloth.model import shells_of
 
-    stable_step = getattr(load_integrator(settings.integrator), "stable_step", None)
+    stable_step = getattr(load_integrator(settings.integrator, settings.model), "stable_step", None)
     if stable_step is None:
         return math.inf
     held = np.concatenate([item.held for item in placed.sheets])
-    mesh = Elastic([item.sheet for item in placed.sheets], [item.fabric for item in placed.sheets], held)
+    sheets, fabrics = [item.sheet for item in placed.sheets], [item.fabric for item in placed.sheets]
+    mesh = Elastic(sheets, fabrics, held, shells=shells_of(placed.sheets))
     return stable_step(mesh, settings)
 
 

@@ -24,6 +24,7 @@ from sim.device.compiler import ti
 from sim.device.double import vec3
 
 if TYPE_CHECKING:
+    from sim.cloth.shell.sheet import SheetShell
     from sim.cloth.shell.shell import Shell
 
 ALONE = 4000
@@ -40,9 +41,10 @@ class Elastic:
         fabrics: list[Fabric],
         held: np.ndarray,
         solids: np.ndarray | None = None,
-        model: str = "springs",
+        shells: list[SheetShell] | None = None,
     ):
-        """`solids`: points of solids [m], shape [n, 3], which follow those of the cloth."""
+        """`solids`: points of solids [m], shape [n, 3], which follow those of the cloth; `shells`: what sheets are
+        instead of springs and hinges."""
         starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics]).tolist()
         parts = list(zip(sheets, fabrics, starts, strict=False))
         self.count = starts[-1]
@@ -53,7 +55,7 @@ class Elastic:
         self.total = self.count + len(solids)
         self.placed = np.concatenate([self.placed, solids])
         self.triangles = np.concatenate([fabric.triangles + start for _, fabric, start in parts])
-        self.shell = _shell(sheets, fabrics) if model == "fem" else None
+        self.shell = _together(shells) if shells else None
         if self.shell:
             parts = [(sheet, without_springs(fabric), start) for sheet, fabric, start in parts]
         springs = [_springs(sheet, fabric, start, self.mass, self.placed) for sheet, fabric, start in parts]
@@ -88,10 +90,10 @@ class ClothMesh(Elastic):
         air: Air | None,
         gravity: np.ndarray,
         solids: np.ndarray | None = None,
-        model: str = "springs",
+        shells: list[SheetShell] | None = None,
     ):
-        """gravity [m/s^2], shape [3]; `solids` as of Elastic."""
-        super().__init__(sheets, fabrics, held, solids, model)
+        """gravity [m/s^2], shape [3]; `solids` and `shells` as of Elastic."""
+        super().__init__(sheets, fabrics, held, solids, shells)
         solids = self.placed[self.count :]
         weight = np.concatenate([self.mass, np.zeros(len(solids))])
         fixed = np.concatenate([held, np.ones(len(solids), bool)])
@@ -150,10 +152,10 @@ class AirDrag:
             find_drag(mesh.count, self.wind, *self._factors, *self._tables, mesh.points, self.drag)
 
 
-def _shell(sheets: list[ClothSheet], fabrics: list[Fabric]) -> Shell:
+def _together(shells: list[SheetShell]) -> Shell:
     from sim.cloth.shell.shell import Shell
 
-    return Shell(sheets, fabrics)
+    return Shell(shells)
 
 
 def _near_first(parts: list[tuple[np.ndarray, ...]]) -> tuple[np.ndarray, ...]:

@@ -194,8 +194,10 @@ def _stars(
     other = corners.next[one]
     point, middle = corners.point[one], corners.behind[one]
     right, left = corners.beside[one], corners.behind[other]
-    reach = {end: np.linalg.norm(points[end_points] - points[point], axis=1) for end, end_points in
-             (("middle", middle), ("right", right), ("left", left))}
+    reach = {
+        end: np.linalg.norm(points[end_points] - points[point], axis=1)
+        for end, end_points in (("middle", middle), ("right", right), ("left", left))
+    }
     angle = {"right": corners.angle[one] * turned[one], "left": corners.angle[other] * turned[one]}
     along = {side: reach[side] * np.cos(angle[side]) for side in angle}
     apart = {side: np.maximum(reach[side] * np.sin(angle[side]), 1e-12 * reach["middle"]) for side in angle}

@@ -15,7 +15,9 @@ def pushes(shell: Shell, places: np.ndarray, velocities: np.ndarray) -> np.ndarr
 
 def _stretching(shell: Shell, places: np.ndarray, velocities: np.ndarray) -> np.ndarray:
     membrane = shell.membrane
-    frame, rate = (np.einsum("tkd,tkx->tdx", membrane.slopes, values[membrane.corners]) for values in (places, velocities))
+    frame, rate = (
+        np.einsum("tkd,tkx->tdx", membrane.slopes, values[membrane.corners]) for values in (places, velocities)
+    )
     metric = np.einsum("tax,tbx->tab", frame, frame)
     strain = np.column_stack([(metric[:, 0, 0] - 1) / 2, (metric[:, 1, 1] - 1) / 2, metric[:, 0, 1]])
     mixed = np.einsum("tax,tbx->tab", rate, frame)

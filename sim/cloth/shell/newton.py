@@ -41,9 +41,7 @@ class ShellNewton:
 
     def assess(self, first: int, dt: float, place: ti.Ndarray, energy_term: ti.Ndarray) -> None:
         """Find stress and moments at `place` [m], and energies [J] from the `first` term on."""
-        newton_sums.assess(
-            self._triangles, self._count, first, dt, place, self._rest, self._trial, energy_term
-        )
+        newton_sums.assess(self._triangles, self._count, first, dt, place, self._rest, self._trial, energy_term)
 
     def differentiate(
         self, dt: float, place: ti.Ndarray, points: Points, matrix: BlockMatrix, force: ti.Ndarray

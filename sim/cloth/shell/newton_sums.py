@@ -24,7 +24,9 @@ from sim.device.double import Integers, Numbers, Vectors, mat3, vec3
 
 
 @ti.kernel
-def begin(triangles: ti.i32, points: ti.i32, start: Vectors, place: Vectors, shell: ShellRest, trial: ShellTrial) -> ti.i32:
+def begin(
+    triangles: ti.i32, points: ti.i32, start: Vectors, place: Vectors, shell: ShellRest, trial: ShellTrial
+) -> ti.i32:
     """Remember strains and curvatures before a step; returns whether an edge turns by more than a right angle."""
     turning = 0
     for t in range(triangles):

@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from sim.cloth.fabric.arrays import incidence, integers, numbers, vectors
-from sim.cloth.fabric.fabric import Fabric, edges_of
+from sim.cloth.fabric.fabric import edges_of
 from sim.cloth.fabric.rows import BendingRows
-from sim.cloth.shell.curvature import Bending, find_bending
+from sim.cloth.shell.curvature import Bending
 from sim.cloth.shell.layout import ShellRest
-from sim.cloth.shell.membrane import Membrane, find_membrane
-from sim.cloth.spec import ClothSheet
-from sim.geometry.pose import Pose
-
+from sim.cloth.shell.membrane import Membrane
+from sim.cloth.shell.sheet import SheetShell
 
 FLAT = 1e-6
 """Points that are no further from a plane than this share of their sheet's size, as a root of squares, lie in it."""
@@ -21,21 +19,12 @@ FLAT = 1e-6
 class Shell:
     """Triangles and curvatures of all sheets, numbered through; on the device, `rest` is all of them."""
 
-    def __init__(self, sheets: list[ClothSheet], fabrics: list[Fabric]):
-        starts = np.cumsum([0] + [len(fabric.points) for fabric in fabrics]).tolist()
+    def __init__(self, parts: list[SheetShell]):
+        rests = [part.places for part in parts]
+        starts = np.cumsum([0] + [len(rest) for rest in rests]).tolist()
         self.count = starts[-1]
-        parts = list(zip(sheets, fabrics, strict=True))
-        rests = [sheet.rest_scale * fabric.points for sheet, fabric in parts]
-        warps = [Pose.of(sheet).rotation @ np.array(sheet.fabric.warp) for sheet in sheets]
-        found = [
-            (
-                find_membrane(sheet, rest, fabric.triangles, warp),
-                find_bending(sheet, rest, fabric.triangles, warp),
-            )
-            for (sheet, fabric), rest, warp in zip(parts, rests, warps, strict=True)
-        ]
-        self.membrane = _together([part for part, _ in found], starts)
-        self.bending = _one_after_another([part for _, part in found], starts)
+        self.membrane = _together([part.membrane for part in parts], starts)
+        self.bending = _one_after_another([part.bending for part in parts], starts)
         self.places = np.concatenate(rests)
         """At rest [m], shape [n, 3], each sheet by itself."""
         self.rest_curvature = self.curvature(self.places)
@@ -126,7 +115,9 @@ class Shell:
 
 def _flat(points: np.ndarray) -> bool:
     """Whether they lie in a plane."""
-    return bool(np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < FLAT * np.linalg.norm(np.ptp(points, axis=0)))
+    return bool(
+        np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < FLAT * np.linalg.norm(np.ptp(points, axis=0))
+    )
 
 
 def _together(parts: list[Membrane], starts: list[int]) -> Membrane:

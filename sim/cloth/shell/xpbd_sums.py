@@ -10,7 +10,7 @@ from typing import Any
 from sim.cloth.contact.projection import mobility
 from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.layout import Drag, Points, StepMotion
-from sim.cloth.shell.elements import barrier, curvature, frame, normal_at, strain, stress_of
+from sim.cloth.shell.elements import barrier, curvature, frame, normal_at, strain
 from sim.cloth.shell.layout import ShellRest
 from sim.device.argument_packs import argpack
 from sim.device.compiler import ti

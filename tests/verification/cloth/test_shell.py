@@ -44,7 +44,9 @@ def test_forces_are_the_slope_of_the_energy(tmp_path, bent):
                 moved[i, axis] += sign * size
                 set_motion(made, position=moved)
                 stored.append(made.measure().elastic_energy)
-            assert -(stored[0] - stored[1]) / (2 * size) == pytest.approx(force[i, axis], abs=1e-8 * np.abs(force).max())
+            assert -(stored[0] - stored[1]) / (2 * size) == pytest.approx(
+                force[i, axis], abs=1e-8 * np.abs(force).max()
+            )
 
 
 @pytest.mark.parametrize("bent", [None, tube])
