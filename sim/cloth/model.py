@@ -131,9 +131,8 @@ class ClothModel:
             forces = limit[:, 0], normal_force[:, 0], friction_force
             self.collisions.remember(state.touch_key, state.touch_weight, state.touch_normal, *forces)
         self._refuse_jumps(position, time)
-        self.integrator = load_integrator(settings.integrator, settings.model)(
-            self.mesh, gravity, settings, self.collisions
-        )
+        integrator = load_integrator(settings.integrator, settings.model)
+        self.integrator = integrator(self.mesh, gravity, settings, self.collisions)
         if self.integrator.past and len(state.past_position) == self.mesh.count:
             self.integrator.past.recall(state.past_position, state.past_velocity, state.past_step)
         self._meter = Meter(self.mesh)

@@ -47,7 +47,8 @@ class Meter:
 
     def _read_shell(self) -> tuple[float, float]:
         from sim.cloth.shell.energy_sums import measure
+        from sim.cloth.shell.shell import shell_of
 
-        shell, mesh = self.mesh.shell, self.mesh
+        mesh, shell = self.mesh, shell_of(self.mesh)
         found = measure(shell.triangles, shell.count, mesh.points, mesh.shell_rest, self._partitions)
         return float(found[2]), float(found[4])

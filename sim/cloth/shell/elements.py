@@ -134,9 +134,11 @@ def curvature(i: ti.i32, shell: ti.template(), place: ti.template()) -> vec3:
 
 @ti.func
 def bending_energy(i: ti.i32, kinds: mat3, along: vec3, shell: ti.template()) -> ti.f64:
-    """Of the curvatures around a point, as vectors and along its normal [J]. Where sheets are flat at rest, all of the
-    vectors count: they have a direction where the cloth is folded so sharply that its normal has none. Of a mesh that is
-    curved at rest they have parts along it, too, that are no curvature."""
+    """Of the curvatures around a point, as vectors and along its normal [J].
+
+    Where sheets are flat at rest, all of the vectors count: they have a direction where the cloth is folded so sharply
+    that its normal has none. Of a mesh that is curved at rest they have parts along it, too, that are no curvature.
+    """
     flat, rest = shell.flat_at_rest[i], shell.rest_curvature[i]
     squares = flat * (kinds * kinds).sum() + (1.0 - flat) * along.norm_sqr()
     return 0.5 * (squares + rest.norm_sqr()) - rest.dot(along)

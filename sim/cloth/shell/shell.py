@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from sim.cloth.fabric.arrays import incidence, integers, numbers, vectors
@@ -11,6 +13,9 @@ from sim.cloth.shell.curvature import Bending
 from sim.cloth.shell.layout import ShellRest
 from sim.cloth.shell.membrane import Membrane
 from sim.cloth.shell.sheet import SheetShell
+
+if TYPE_CHECKING:
+    from sim.cloth.fabric.mesh import ClothMesh
 
 FLAT = 1e-6
 """Points that are no further from a plane than this share of their sheet's size, as a root of squares, lie in it."""
@@ -44,8 +49,10 @@ class Shell:
         return np.bincount(membrane.corners.ravel(), (membrane.area[:, None] * held).ravel(), minlength=self.count)
 
     def row_sums(self) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds of how stretching and bending push points back [N/m], and of how they damp them [kg/s], shape [n]: sums
-        of the norms of blocks of rows (Gershgorin), at rest."""
+        """Bounds of how stretching and bending push points back [N/m], and of how they damp them [kg/s], shape [n].
+
+        Sums of the norms of the blocks of each row, at rest (Gershgorin's theorem for blocks: Feingold & Varga 1962).
+        """
         membrane, bending = self.membrane, self.bending
         u, v = membrane.slopes[..., 0], membrane.slopes[..., 1]
         strains = np.zeros((self.triangles, 3, 3, 2))
@@ -113,11 +120,20 @@ class Shell:
         return 8 * (16 * self.triangles + 5 * self.count) + 32 * len(self.bending.points)
 
 
+def shell_of(mesh: ClothMesh) -> Shell:
+    """That of a cloth of finite elements.
+
+    Raises TypeError for masses and springs.
+    """
+    if mesh.shell is None:
+        raise TypeError("a cloth of masses and springs has no shell")
+    return mesh.shell
+
+
 def _flat(points: np.ndarray) -> bool:
     """Whether they lie in a plane."""
-    return bool(
-        np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] < FLAT * np.linalg.norm(np.ptp(points, axis=0))
-    )
+    apart = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[2] / np.sqrt(len(points))
+    return bool(apart < FLAT * np.linalg.norm(np.ptp(points, axis=0)))
 
 
 def _together(parts: list[Membrane], starts: list[int]) -> Membrane:

@@ -12,6 +12,7 @@ from sim.cloth.integrators import xpbd_sums
 from sim.cloth.integrators.small_steps import SmallSteps
 from sim.cloth.shell import xpbd_sums as sums
 from sim.cloth.shell.curvature import Bending
+from sim.cloth.shell.shell import shell_of
 from sim.cloth.shell.xpbd_sums import ShellMultipliers
 from sim.cloth.spec import Cloth
 
@@ -23,7 +24,7 @@ class ShellXPBD(SmallSteps):
     def __init__(self, mesh: ClothMesh, gravity: np.ndarray, settings: Cloth, collisions: Collisions):
         super().__init__(mesh, gravity, collisions)
         self.settings = settings.integrator_settings
-        shell = mesh.shell
+        shell = self._shell = shell_of(mesh)
         faces, points = np.zeros((shell.triangles, 3)), np.zeros((shell.count, 3))
         self._multipliers = ShellMultipliers(
             strain_before=vectors(faces),
@@ -50,7 +51,7 @@ class ShellXPBD(SmallSteps):
         points, rest, air = mesh.points, mesh.shell_rest, mesh.air
         for left in range(number, 0, -1):
             tables = points, air.drag, rest, multipliers, self.motion
-            sums.predict(air.present, mesh.shell.triangles, mesh.count, dt, left, self.gravity, air.wind, *tables)
+            sums.predict(air.present, self._shell.triangles, mesh.count, dt, left, self.gravity, air.wind, *tables)
             for _ in range(self.settings.iterations):
                 for first, last in self._face_colors:
                     sums.project_strains(first, last, dt, self._faces, points, rest, multipliers)
@@ -61,7 +62,7 @@ class ShellXPBD(SmallSteps):
 
     @property
     def bytes(self) -> int:
-        return super().bytes + 8 * (7 * self.mesh.shell.triangles + 12 * self.mesh.count)
+        return super().bytes + 8 * (7 * self._shell.triangles + 12 * self.mesh.count)
 
 
 def _stars(bending: Bending) -> np.ndarray:

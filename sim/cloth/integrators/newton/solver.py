@@ -169,8 +169,7 @@ class Newton:
         tables = mesh.model, self._pattern.matrix, self.trial, self._elements, self._system["force"]
         step_energy.differentiate(mesh.air.present, dt, *tables)
         if self._shell:
-            tables = mesh.points, self._pattern.matrix, self._system["force"]
-            self._shell.differentiate(dt, self.trial.place, *tables)
+            self._shell.differentiate(dt, self.trial.place, mesh.points, self._pattern.matrix, self.force)
         tables = collisions.tables, bodies.tables, self._pattern.matrix, self.trial, self._system
         first, *sums = linear_system.linearize(mesh.count, self._bodies, dt, self.gravity, mesh.points, *tables)
         # Without gravity, what would count as a change.
@@ -247,8 +246,9 @@ class Newton:
 
 def _shell(mesh: ClothMesh, pairs: np.ndarray, bending: BendingRows) -> ShellNewton:
     from sim.cloth.shell.newton import ShellNewton
+    from sim.cloth.shell.shell import shell_of
 
-    return ShellNewton(mesh.shell, mesh.shell_rest, pairs, bending)
+    return ShellNewton(shell_of(mesh), mesh.shell_rest, pairs, bending)
 
 
 def _share(part: float, whole: float) -> float:
