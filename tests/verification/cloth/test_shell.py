@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.support.cantilevers import STATIC, cantilever
 from tests.support.cloths import HANGING, INTEGRATORS, G, part, places, set_motion, sheet, step
 from tests.support.in_time import in_time
-from tests.support.triangulations import MESHES, triangulated, with_clamp, write
-
-STATIC = {"implicit_euler": {"velocity_error": 1e-6, "linear_error": 1e-3, "max_newton": 200}}
+from tests.support.triangulations import MESHES, triangulated, write
 
 
 def shell(sheets: dict, **cloth):
@@ -122,40 +121,6 @@ def test_what_is_stored_by_stretching_turns_with_the_warp(direction):
     free = 1 - 0.3**2 * 400 / 1000
     density = (1000 * along**2 + 400 * across**2 + 2 * 0.3 * 400 * along * across) / free + 50 * turned**2
     assert made.measure().elastic_energy == pytest.approx(density * size**2 / 2, rel=1e-3)
-
-
-def elastica(load: float) -> tuple[float, float]:
-    """Drop and reach of a heavy cantilever over its length, load = w L^3 / B: B t'' = -w (L - s) cos t."""
-    from scipy.integrate import cumulative_trapezoid, solve_bvp
-
-    s = np.linspace(0, 1, 400)
-    found = solve_bvp(
-        lambda s, y: [y[1], -load * (1 - s) * np.cos(y[0])],
-        lambda a, b: [a[0], b[1]],
-        s,
-        np.array([load * s / 6, load / 6 * (1 - s)]),
-        tol=1e-8,
-        max_nodes=20_000,
-    )
-    angle = found.sol(s)[0]
-    return tuple(float(cumulative_trapezoid(f(angle), s)[-1]) for f in (np.sin, np.cos))
-
-
-def cantilever(kind, folder, load, cells, *, model="fem", width=0.3, weight=0.2, **settings):
-    """Drop and reach over the closed form, of a strip of 1 m that is clamped half a cell before its beginning."""
-    edge = 1.0 / cells
-    points, triangles = with_clamp(*triangulated(kind, 1.0, width, cells), edge)
-    held = [[x, 0, z] for x, z in points[points[:, 0] < 1e-9]]
-    file = str(write(points, triangles, folder / "strip.ply"))
-    stiff = {"stretch_stiffness": 1e3, "bend_stiffness": weight * G / load, **settings}
-    strip = {"shape": {"type": "mesh", "file": file}, "pins": [{"at": held}], "mass_per_area": weight, **stiff}
-    made = part({"strip": strip | {"thickness": 1e-4}}, model=model, **STATIC)
-    step(made, 9.0, 0.3)
-    x, rest = places(made), made.sheets[0].fabric.points
-    tip = rest[:, 0] > 1 - 1e-9
-    length = 1 + edge / 2
-    drop, reach = elastica(load * length**3)
-    return -x[tip, 1].mean() / (drop * length), x[tip, 0].mean() / (reach * length - edge / 2)
 
 
 @pytest.mark.parametrize("load", [*in_time(5), 0.1, 1, 20])
