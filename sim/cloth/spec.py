@@ -101,7 +101,7 @@ class FabricSettings(Settings):
     """The same along the weft."""
     bias_bending: BendStiffness | None = None
     """The same at 45 degrees to both [N m]; by default their mean. More than half of it."""
-    damping_time: Delay = 0.001
+    damping_time: Delay = 0.0001
     """Stress by the rate of strain over that by strain [s]: a swing of f [Hz] has the damping ratio pi f times it."""
     bend_damping_time: Delay = 0.001
     """The same for bending."""

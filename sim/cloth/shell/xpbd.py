@@ -25,11 +25,8 @@ class ShellXPBD(SmallSteps):
         super().__init__(mesh, gravity, collisions)
         self.settings = settings.integrator_settings
         shell = self._shell = shell_of(mesh)
-        faces, points = np.zeros((shell.triangles, 3)), np.zeros((shell.count, 3))
         self._multipliers = ShellMultipliers(
-            strain_before=vectors(faces),
-            curvature_before=vectors(points),
-            stress_multiplier=vectors(faces),
+            stress_multiplier=vectors(np.zeros((shell.triangles, 3))),
             area_multiplier=numbers(np.zeros(shell.triangles)),
             bend_multiplier=vectors(np.zeros((3 * shell.count, 3))),
         )
@@ -50,7 +47,8 @@ class ShellXPBD(SmallSteps):
         mesh, multipliers = self.mesh, self._multipliers
         points, rest, air = mesh.points, mesh.shell_rest, mesh.air
         for left in range(number, 0, -1):
-            tables = points, air.drag, rest, multipliers, self.motion
+            self._damp(dt)
+            tables = points, air.drag, multipliers, self.motion
             sums.predict(air.present, self._shell.triangles, mesh.count, dt, left, self.gravity, air.wind, *tables)
             for _ in range(self.settings.iterations):
                 for first, last in self._face_colors:
@@ -59,6 +57,14 @@ class ShellXPBD(SmallSteps):
                     sums.project_curvatures(first, last, dt, self._stars, points, rest, multipliers)
             self.project_contacts(dt, number, left)
             xpbd_sums.finish(mesh.count, dt, points, self.motion)
+
+    def _damp(self, dt: float) -> None:
+        """Slow strains and curvatures for dt [s]."""
+        points, rest = self.mesh.points, self.mesh.shell_rest
+        for first, last in self._face_colors if self._shell.membrane.delay.any() else ():
+            sums.damp_strains(first, last, dt, self._faces, points, rest)
+        for first, last in self._star_colors if self._shell.bending.delay.any() else ():
+            sums.damp_curvatures(first, last, dt, self._stars, points, rest)
 
     @property
     def bytes(self) -> int:

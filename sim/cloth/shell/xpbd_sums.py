@@ -3,6 +3,10 @@
 An energy k C^2 / 2 is the constraint C with the compliance 1 / k (Macklin et al. 2016). Of a triangle, C are the three
 strains, which are solved for together, with the matrix of its stiffness; then its area, whose energy is not quadratic,
 by its slope and curvature here. Around a point, C are the three kinds of curvature, each a vector.
+
+Damping comes before, and changes velocities: by what each strain and curvature in turn would take from them in an
+implicit step. That gives no energy, however strong it is; as a part of the constraints, or after them, it would, since
+one sweep leaves them far from their solution. What damps so strongly that it creeps, creeps too fast.
 """
 
 from typing import Any
@@ -10,21 +14,18 @@ from typing import Any
 from sim.cloth.contact.projection import mobility
 from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.layout import Drag, Points, StepMotion
-from sim.cloth.shell.elements import barrier, curvature, frame, normal_at, strain
+from sim.cloth.shell.elements import barrier, frame, normal_at, strain, strain_rate
 from sim.cloth.shell.layout import ShellRest
 from sim.device.argument_packs import argpack
 from sim.device.compiler import ti
 from sim.device.double import Integers, Numbers, Vectors, mat3, vec3
 
 ShellMultipliers: Any = argpack(
-    strain_before=Vectors,
-    curvature_before=Vectors,
     stress_multiplier=Vectors,
     area_multiplier=Numbers,
     bend_multiplier=Vectors,
 )
-"""Strains of triangles and curvatures of points before a substep; multipliers of strains and areas of triangles, and of
-the three curvatures of each point."""
+"""Multipliers of strains and areas of triangles, and of the three curvatures of each point."""
 
 
 @ti.kernel
@@ -38,18 +39,15 @@ def predict(
     wind: vec3,
     p: Points,
     d: Drag,
-    shell: ShellRest,
     multipliers: ShellMultipliers,
     motion: StepMotion,
 ):
-    """Begin a substep: remember what is, and take points to where they would go by themselves; `left`: substeps until
+    """Begin a substep: take points to where they would go by themselves; `left`: substeps until
     held points are at their targets."""
     for t in range(triangles):
-        multipliers.strain_before[t] = strain(frame(t, shell, p.position))
         multipliers.stress_multiplier[t] = vec3(0.0, 0.0, 0.0)
         multipliers.area_multiplier[t] = 0.0
     for i in range(points):
-        multipliers.curvature_before[i] = curvature(i, shell, p.position)
         for kind in ti.static(range(3)):
             multipliers.bend_multiplier[3 * i + kind] = vec3(0.0, 0.0, 0.0)
     for i in range(points):
@@ -70,6 +68,14 @@ def _stiffness(t: ti.i32, shell: ti.template()) -> mat3:
     return mat3([[c[0], c[2], 0.0], [c[2], c[1], 0.0], [0.0, 0.0, shear]])
 
 
+@ti.func
+def _slopes(t: ti.i32, k: ti.template(), f: ti.template(), shell: ti.template()) -> mat3:
+    """How the three strains grow as corner k of a triangle goes on, as rows [1/m]."""
+    u, v = shell.warp_slope[t][k], shell.weft_slope[t][k]
+    one, other, both = u * f.warp, v * f.weft, u * f.weft + v * f.warp
+    return mat3([[one[0], one[1], one[2]], [other[0], other[1], other[2]], [both[0], both[1], both[2]]])
+
+
 @ti.kernel
 def project_strains(
     first: ti.i32,
@@ -85,22 +91,19 @@ def project_strains(
         t = order[entry]
         f = frame(t, shell, p.position)
         e = strain(f)
-        slow, soft = shell.stretch_delay[t] / dt, 1.0 / (dt * dt)
+        soft = 1.0 / (dt * dt)
         stiff = shell.rest_area[t] * _stiffness(t, shell)
         unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         met = ti.Matrix.zero(ti.f64, 3, 3)
         for k in ti.static(range(3)):
-            u, v, w = shell.warp_slope[t][k], shell.weft_slope[t][k], mobility(p, shell.shell_corner[3 * t + k])
-            one, other, both = u * f.warp, v * f.weft, u * f.weft + v * f.warp
-            rows = mat3([[one[0], one[1], one[2]], [other[0], other[1], other[2]], [both[0], both[1], both[2]]])
+            rows, w = _slopes(t, k, f, shell), mobility(p, shell.shell_corner[3 * t + k])
             met += w * rows @ rows.transpose()
-        push = stiff @ (e + slow * (e - multipliers.strain_before[t])) + soft * multipliers.stress_multiplier[t]
-        change = -((1.0 + slow) * stiff @ met + soft * unit).inverse() @ push
+        push = stiff @ e + soft * multipliers.stress_multiplier[t]
+        change = -(stiff @ met + soft * unit).inverse() @ push
         multipliers.stress_multiplier[t] += change
         for k in ti.static(range(3)):
-            u, v, i = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.shell_corner[3 * t + k]
-            turn = change[0] * u * f.warp + change[1] * v * f.weft + change[2] * (u * f.weft + v * f.warp)
-            p.position[i] += mobility(p, i) * turn
+            i = shell.shell_corner[3 * t + k]
+            p.position[i] += mobility(p, i) * (_slopes(t, k, f, shell).transpose() @ change)
         f = frame(t, shell, p.position)
         law = shell.rest_area[t] * shell.barrier[t] * barrier(f.spread)
         over = ti.cast(0.0, ti.f64)
@@ -127,7 +130,7 @@ def project_curvatures(
     """Solve the curvatures of the points of one colour, `first` up to, without, `last` of the order."""
     for entry in range(first, last):
         i = order[entry]
-        slow, soft = shell.bend_delay[i] / dt, 1.0 / (dt * dt)
+        soft = 1.0 / (dt * dt)
         normal = normal_at(i, shell, p.position)
         size = normal.norm()
         if size > 0.0:
@@ -140,13 +143,54 @@ def project_curvatures(
                 own += weight
                 inverse_mass += weight * weight * mobility(p, j)
             inverse_mass += own * own * mobility(p, i)
-            since = bend.dot(normal) - multipliers.curvature_before[i][kind]
             flat, along = shell.flat_at_rest[i], bend.dot(normal)
-            push = flat * bend + ((1.0 - flat) * along + slow * since - shell.rest_curvature[i][kind]) * normal
+            push = flat * bend + ((1.0 - flat) * along - shell.rest_curvature[i][kind]) * normal
             push += soft * multipliers.bend_multiplier[3 * i + kind]
-            change = -push / ((1.0 + slow) * inverse_mass + soft)
+            change = -push / (inverse_mass + soft)
             multipliers.bend_multiplier[3 * i + kind] += change
             for k in range(shell.first_beside[i], shell.first_beside[i + 1]):
                 j = shell.beside[k]
                 p.position[j] += mobility(p, j) * shell.bend_weight[k][kind] * change
             p.position[i] -= mobility(p, i) * own * change
+
+
+@ti.kernel
+def damp_strains(first: ti.i32, last: ti.i32, dt: ti.f64, order: Integers, p: Points, shell: ShellRest):
+    """Slow the strains of the triangles of one colour, `first` up to, without, `last` of the order."""
+    for entry in range(first, last):
+        t = order[entry]
+        f = frame(t, shell, p.position)
+        unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        slow = dt * shell.stretch_delay[t] * shell.rest_area[t] * _stiffness(t, shell)
+        met = ti.Matrix.zero(ti.f64, 3, 3)
+        for k in ti.static(range(3)):
+            rows, w = _slopes(t, k, f, shell), mobility(p, shell.shell_corner[3 * t + k])
+            met += w * rows @ rows.transpose()
+        impulse = -(unit + slow @ met).inverse() @ (slow @ strain_rate(t, f, shell, p.velocity))
+        for k in ti.static(range(3)):
+            i = shell.shell_corner[3 * t + k]
+            p.velocity[i] += mobility(p, i) * (_slopes(t, k, f, shell).transpose() @ impulse)
+
+
+@ti.kernel
+def damp_curvatures(first: ti.i32, last: ti.i32, dt: ti.f64, order: Integers, p: Points, shell: ShellRest):
+    """Slow the curvatures around the points of one colour, `first` up to, without, `last` of the order."""
+    for entry in range(first, last):
+        i = order[entry]
+        slow, normal = dt * shell.bend_delay[i], normal_at(i, shell, p.position)
+        size = normal.norm()
+        if size > 0.0:
+            normal = normal / size
+            for kind in ti.static(range(3)):
+                rate, own, inverse_mass = ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64), ti.cast(0.0, ti.f64)
+                for k in range(shell.first_beside[i], shell.first_beside[i + 1]):
+                    weight, j = shell.bend_weight[k][kind], shell.beside[k]
+                    rate += weight * (p.velocity[j] - p.velocity[i]).dot(normal)
+                    own += weight
+                    inverse_mass += weight * weight * mobility(p, j)
+                inverse_mass += own * own * mobility(p, i)
+                impulse = -slow * rate / (1.0 + slow * inverse_mass)
+                for k in range(shell.first_beside[i], shell.first_beside[i + 1]):
+                    j = shell.beside[k]
+                    p.velocity[j] += mobility(p, j) * shell.bend_weight[k][kind] * impulse * normal
+                p.velocity[i] -= mobility(p, i) * own * impulse * normal

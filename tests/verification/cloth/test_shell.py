@@ -204,6 +204,28 @@ def test_a_tumbling_shell_keeps_its_momentum(tmp_path, integrator):
     assert sum_of(made) < energy * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("integrator", ["implicit_euler", "symplectic_euler", *in_time("xpbd")])
+def test_bending_is_damped_by_its_time(integrator):
+    """A clamped strip swings with w = 3.516 (B / (rho L^4))^0.5, and loses exp(-w^2 t T) of its energy in t: the ratio
+    of damping is w T / 2."""
+    length, cells, weight, bend, delay = 0.5, 10, 0.2, 0.01, 0.03
+    edge = length / cells
+    clamped = [[x, 0, z] for x in (-length / 2, -length / 2 + edge) for z in (-edge, 0.0, edge)]
+    strip = sheet((length, 2 * edge), spacing=edge, pins=[{"at": clamped}], mass_per_area=weight, bend_stiffness=bend,
+                  stretch_stiffness=100, fabric={"bend_damping_time": delay, "damping_time": 0})  # fmt: skip
+    made = shell({"strip": strip}, gravity=(0, 0, 0), integrator=integrator, xpbd={"substeps": 80})
+    x = places(made)
+    out = np.clip(x[:, 0] + length / 2 - edge / 2, 0, None)
+    swing = 3.516 * np.sqrt(bend / weight) / (length - edge / 2) ** 2
+    set_motion(made, velocity=np.column_stack([0 * out, 0.02 * swing * (out / length) ** 2, 0 * out]))
+    cycle = 2 * np.pi / swing
+    step(made, cycle, 0.004)
+    first = sum_of(made)
+    step(made, cycle, 0.004)
+    found = np.log(first / sum_of(made)) / (swing**2 * cycle)
+    assert found == pytest.approx(delay, rel=0.06)
+
+
 def sum_of(made) -> float:
     found = made.measure()
     return found.kinetic_energy + found.elastic_energy
