@@ -67,7 +67,7 @@ DEPENDENCES = (
     ),
     Dependence(
         tuple((*_SHEET, name) for name in ("stretch_stiffness", "shear_stiffness", "bend_stiffness")),
-        (*_SHEET, "fabric", "type"),
+        (*_SHEET, "woven", "type"),
         lambda value: value is None,
         "fabric: {value} brings a stiffness of its own: change it there, as warp_stiffness, or remove it",
     ),

@@ -1,19 +1,23 @@
 """Fabrics by name, with values that were measured.
 
-Wang, O'Brien & Ramamoorthi 2011, "Data-driven elastic models for cloth": samples of ten fabrics, of which one has no
-positive definite stiffness while it is not yet stretched, and is left out. Ours are their values without stretch and
+Wang et al. 2011: samples of ten fabrics, of which one has no positive definite stiffness while it is not yet stretched,
+and is left out. Ours are their values without stretch and
 without curvature: K11, K12, K22 and K33 per width, K33 by the strain e_uv, which is half of the angle, and the bending
 stiffness of strips at 0, 45 and 90 degrees. Warp is their direction v: the stiffer one of the jeans.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-FabricName = Literal[
-    "blanket", "cotton_knit", "denim", "jersey", "ponte", "swimwear", "tablecloth", "trousers", "windbreaker"
-]
+if TYPE_CHECKING:
+    from sim.cloth.spec import ClothSheet
+
+
+LARGEST_COUPLING = 0.9
+"""nu^2 E_weft / E_warp may not be more: at 1, stretches in both directions would be free."""
 
 
 @dataclass(frozen=True)
@@ -65,3 +69,45 @@ MEASURED: dict[str, Fabric] = {
 """Blanket: polyester. Cotton knit: underwear, 95 % cotton, 5 % spandex. Denim: jeans of 11 oz, 99 % cotton, 1 %
 spandex. Jersey: a T-shirt, 60 % cotton, 40 % polyester. Ponte: a jacket, 60 % polyester, 40 % rayon. Swimwear: 87 %
 nylon, 13 % spandex. Tablecloth: polyester. Trousers: 65 % cotton, 35 % polyester. Windbreaker: a jacket, polyester."""
+
+
+def resistance(sheet: ClothSheet) -> Fabric:
+    """What a sheet resists by: as its fabric says, or the one named there, or by its own stiffness in all directions."""
+    given, same = sheet.woven, sheet.stretch_stiffness
+    plain = MEASURED.get(given.type or "") or Fabric(
+        mass_per_area=sheet.mass_per_area or 0.0,
+        warp_stiffness=same,
+        weft_stiffness=same,
+        poisson_ratio=0.0,
+        shear_stiffness=same / 2 if sheet.shear_stiffness is None else sheet.shear_stiffness,
+        warp_bending=sheet.bend_stiffness,
+        weft_bending=sheet.bend_stiffness,
+        bias_bending=sheet.bend_stiffness,
+    )
+    names = set(vars(plain)) - {"mass_per_area"}
+    own = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
+    found = replace(plain, **own)
+    if {"warp_bending", "weft_bending"} & set(own) and "bias_bending" not in own:
+        found = replace(found, bias_bending=(found.warp_bending + found.weft_bending) / 2)
+    return found
+
+
+def refuse_unfit(place: str, sheet: ClothSheet) -> None:
+    """Raise ValueError where a sheet can not be a shell; `place`: its name in the settings of cloth."""
+    fabric = sheet.resistance
+    if sheet.rest_scale == 0:
+        raise ValueError(f"{place}.rest_scale = 0 leaves a shell no area: raise it, or use model: springs")
+    if fabric.shear_stiffness == 0:
+        raise ValueError(f"{place}.shear_stiffness = 0 lets a shell collapse: raise it, or use model: springs")
+    most = math.sqrt(LARGEST_COUPLING * fabric.warp_stiffness / fabric.weft_stiffness)
+    if not abs(fabric.poisson_ratio) <= most:
+        raise ValueError(
+            f"{place}.fabric.poisson_ratio = {fabric.poisson_ratio:g} would let the fabric give way by itself: "
+            f"give one between -{most:.3g} and {most:.3g}"
+        )
+    least = (fabric.warp_bending + fabric.weft_bending) / 4
+    if not fabric.bias_bending >= least:
+        raise ValueError(
+            f"{place}.fabric.bias_bending = {fabric.bias_bending:g} is less than warp and weft leave of it: "
+            f"give at least {least:g}"
+        )

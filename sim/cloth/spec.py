@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import math
-from dataclasses import replace
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, model_validator
@@ -28,8 +26,10 @@ from scene.units import (
     Velocity,
 )
 from sim.cloth import INTEGRATORS
-from sim.cloth.fabrics import MEASURED, Fabric, FabricName
 from sim.geometry.spec import ClothShape, Placement, Rotation
+
+if TYPE_CHECKING:
+    from sim.cloth.fabrics import Fabric
 
 Stiffness = Annotated[float, Gt(0), Le(1e12), Unit("N/m")]
 ShearStiffness = Annotated[float, Ge(0), Le(1e12), Unit("N/m")]
@@ -40,7 +40,11 @@ Friction = Annotated[Dimensionless, Ge(0), Le(10)]
 Poisson = Annotated[Dimensionless, Ge(-10), Le(10)]
 Delay = Annotated[Duration, Le(10)]
 Side = Literal["corners", "left", "right", "front", "back"]
-SPRINGS_MASS = 0.2
+FabricName = Literal[
+    "blanket", "cotton_knit", "denim", "jersey", "ponte", "swimwear", "tablecloth", "trousers", "windbreaker"
+]
+MASS_PER_AREA = 0.2
+"""Where nothing is said of it [kg/m^2]."""
 
 
 class PinKeyframe(Settings):
@@ -85,8 +89,8 @@ class FabricSettings(Settings):
     """
 
     type: FabricName | None = None
-    """One that was measured by Wang, O'Brien & Ramamoorthi 2011: jeans are `denim`, a T-shirt is `jersey`, underwear
-    `cotton_knit`, a polyester jacket `windbreaker`, a jersey jacket `ponte`."""
+    """One that was measured by Wang et al. 2011: jeans are `denim`, a T-shirt is `jersey`, underwear `cotton_knit`, a
+    polyester jacket `windbreaker`, a jersey jacket `ponte`."""
     warp_stiffness: Stiffness | None = None
     """Force per width and strain [N/m] of a strip along the warp that may contract."""
     weft_stiffness: Stiffness | None = None
@@ -108,11 +112,6 @@ class FabricSettings(Settings):
     warp: Direction = (1.0, 0.0, 0.0)
     """Direction of the warp in the sheet's own axes, as it is before `rotation`; of a mesh, laid on each triangle."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _name_stands_for_all(cls, data: Any) -> Any:
-        return {"type": data} if isinstance(data, str) else data
-
 
 class ClothSheet(Placement):
     """One piece of cloth: masses with springs between them, or a shell of finite elements (`cloth.model`)."""
@@ -123,7 +122,7 @@ class ClothSheet(Placement):
     fortieth of the longer side. A mesh has its own points."""
     mass_per_area: AreaDensity | None = None
     """[kg/m^2]; by default 0.2, or that of the `type` of its fabric."""
-    fabric: FabricSettings = FabricSettings()
+    fabric: FabricName | FabricSettings = FabricSettings()
     """With `model: fem`: the name of a fabric, or what it resists by in each direction."""
     stretch_stiffness: Stiffness = 1000.0
     """Force per width and strain [N/m] of a strip pulled along its threads, at any resolution."""
@@ -158,27 +157,24 @@ class ClothSheet(Placement):
         """Mass per area [kg/m^2]."""
         if self.mass_per_area is not None:
             return self.mass_per_area
-        return MEASURED[self.fabric.type].mass_per_area if self.fabric.type else SPRINGS_MASS
+        return self.resistance.mass_per_area if self.woven.type else MASS_PER_AREA
+
+    @property
+    def woven(self) -> FabricSettings:
+        """Its fabric, which a name may stand for."""
+        return FabricSettings(type=self.fabric) if isinstance(self.fabric, str) else self.fabric
 
     @property
     def resistance(self) -> Fabric:
         """What it resists by as a shell."""
-        return _resistance(self)
+        from sim.cloth.fabrics import resistance
+
+        return resistance(self)
 
     @property
     def bends(self) -> bool:
         """Whether a shell of it resists bending."""
         return max(self.resistance.warp_bending, self.resistance.weft_bending) > 0
-
-    @property
-    def stretch_delay(self) -> float:
-        """Of a shell: stress by the rate of strain over that by strain [s]."""
-        return self.fabric.damping_time
-
-    @property
-    def bend_delay(self) -> float:
-        """Of a shell: moment by the rate of curvature over that by curvature [s]."""
-        return self.fabric.bend_damping_time
 
     @property
     def friction_coefficients(self) -> tuple[float, float]:
@@ -197,50 +193,6 @@ class ClothSheet(Placement):
             if any(isinstance(side, str) for side in sides):
                 raise ValueError("a mesh has no sides or corners: give places to pin, as `at: [[x, y, z]]`")
         return self
-
-
-def _unwoven(sheet: ClothSheet) -> str | None:
-    """Why masses and springs can not be it, and what would help."""
-    if sheet.fabric == FabricSettings():
-        return None
-    return "fabric is for a shell of finite elements: add `model: fem` to `cloth`, or remove it"
-
-
-def _unfit(sheet: ClothSheet) -> str | None:
-    """Why it can not be a shell, and what would help."""
-    fabric = sheet.resistance
-    if sheet.rest_scale == 0:
-        return "rest_scale = 0 leaves a shell no area at rest: raise it, or use model: springs"
-    if fabric.shear_stiffness == 0:
-        return "shear_stiffness = 0 lets a shell collapse along its diagonals: raise it, or use model: springs"
-    if not fabric.poisson_ratio**2 * fabric.weft_stiffness < 0.9 * fabric.warp_stiffness:
-        most = math.sqrt(0.9 * fabric.warp_stiffness / fabric.weft_stiffness)
-        return f"fabric.poisson_ratio = {fabric.poisson_ratio:g} must be between -{most:.3g} and {most:.3g}: lower it"
-    least = (fabric.warp_bending + fabric.weft_bending) / 4
-    if not fabric.bias_bending >= least:
-        return f"fabric.bias_bending = {fabric.bias_bending:g} must be at least {least:g}: raise it"
-    return None
-
-
-def _resistance(sheet: ClothSheet) -> Fabric:
-    given, measured = sheet.fabric, MEASURED.get(sheet.fabric.type or "")
-    shear = sheet.stretch_stiffness / 2 if sheet.shear_stiffness is None else sheet.shear_stiffness
-    plain = measured or Fabric(
-        mass_per_area=sheet.density,
-        warp_stiffness=sheet.stretch_stiffness,
-        weft_stiffness=sheet.stretch_stiffness,
-        poisson_ratio=0.0,
-        shear_stiffness=shear,
-        warp_bending=sheet.bend_stiffness,
-        weft_bending=sheet.bend_stiffness,
-        bias_bending=sheet.bend_stiffness,
-    )
-    names = set(vars(plain)) - {"mass_per_area"}
-    own = {name: getattr(given, name) for name in names if getattr(given, name) is not None}
-    if {"warp_bending", "weft_bending"} & set(own) and "bias_bending" not in own:
-        both = (own.get(name, getattr(plain, name)) for name in ("warp_bending", "weft_bending"))
-        own["bias_bending"] = sum(both) / 2
-    return replace(plain, **own)
 
 
 class Air(Settings):
@@ -305,10 +257,14 @@ class Cloth(Settings):
 
     @model_validator(mode="after")
     def _suits_its_model(self) -> Self:
-        for name, sheet in self.sheets.items():
-            reason = _unfit(sheet) if self.model == "fem" else _unwoven(sheet)
-            if reason:
-                raise ValueError(f"sheets.{name}.{reason}")
+        if self.model == "fem":
+            from sim.cloth.fabrics import refuse_unfit
+
+            for name, sheet in self.sheets.items():
+                refuse_unfit(f"sheets.{name}", sheet)
+        woven = [name for name, sheet in self.sheets.items() if sheet.woven != FabricSettings()]
+        if woven and self.model == "springs":
+            raise ValueError(f"sheets.{woven[0]}.fabric is for finite elements: give cloth `model: fem`, or remove it")
         return self
 
     @property

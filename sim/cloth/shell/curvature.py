@@ -121,7 +121,7 @@ def find_bending(sheet: ClothSheet, points: np.ndarray, triangles: np.ndarray, w
         part.sum_duplicates()
         part.sort_indices()
     whole = np.column_stack([part.data for part in parts])
-    return Bending(parts[0].indptr, parts[0].indices, whole, np.full(count, sheet.bend_delay))
+    return Bending(parts[0].indptr, parts[0].indices, whole, np.full(count, sheet.woven.bend_damping_time))
 
 
 def _corners(points: np.ndarray, triangles: np.ndarray) -> _Corners:

@@ -65,7 +65,7 @@ def find_membrane(sheet: ClothSheet, points: np.ndarray, triangles: np.ndarray, 
         double / 2,
         np.broadcast_to(modulus, (count, 4)),
         np.full(count, barrier),
-        np.full(count, sheet.stretch_delay),
+        np.full(count, sheet.woven.damping_time),
     )
 
 

@@ -31,7 +31,7 @@ def find_shell(sheet: ClothSheet, fabric: Fabric) -> SheetShell:
 
     Raises Refused, located within the sheet, where its triangles form no surface.
     """
-    places, warp = sheet.rest_scale * fabric.points, Pose.of(sheet).rotation @ np.array(sheet.fabric.warp)
+    places, warp = sheet.rest_scale * fabric.points, Pose.of(sheet).rotation @ np.array(sheet.woven.warp)
     try:
         _refuse_thin(places, fabric.triangles)
         bending = find_bending(sheet, places, fabric.triangles, warp)

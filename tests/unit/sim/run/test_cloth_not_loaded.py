@@ -16,6 +16,7 @@ SHEET = {"shape": {"type": "sheet", "size": [0.2, 0.2]}, "spacing": 0.1, "positi
 SCENES = {
     "bodies": MOTIONS["dynamic"],
     "cloth alone": {"cloth": {"sheets": {"sheet": SHEET}}},
+    "a shell": {"cloth": {"model": "fem", "sheets": {"sheet": SHEET}}},
     "cloth on a ball": {"cloth": {"sheets": {"sheet": SHEET}}} | MOTIONS["static"],
 }
 
@@ -35,5 +36,8 @@ def test_what_a_scene_loads_and_launches(tmp_path, name):
     else:
         assert {"sim.cloth.model", "sim.cloth.integrators.implicit_euler"} <= loaded
         assert not {"sim.cloth.integrators.xpbd", "sim.cloth.integrators.symplectic_euler"} & loaded
-        assert ("sim.coupling.cloth_solids" in loaded) == (name != "cloth alone")
+        assert ("sim.coupling.cloth_solids" in loaded) == (name == "cloth on a ball")
+        of_shells = {module for module in loaded if module.startswith("sim.cloth.shell")}
+        assert ("sim.cloth.shell.newton" in of_shells) == (name == "a shell")
+        assert bool(of_shells) == (name == "a shell")
         assert "sim.cloth.integrators.newton.step_energy.assess" in launched
