@@ -72,7 +72,7 @@ nylon, 13 % spandex. Tablecloth: polyester. Trousers: 65 % cotton, 35 % polyeste
 
 
 def resistance(sheet: ClothSheet) -> Fabric:
-    """What a sheet resists by: as its fabric says, or the one named there, or by its own stiffness in all directions."""
+    """What a sheet resists by: as its fabric says, or the one that it names, or by one stiffness in all directions."""
     given, same = sheet.woven, sheet.stretch_stiffness
     plain = MEASURED.get(given.type or "") or Fabric(
         mass_per_area=sheet.mass_per_area or 0.0,
