@@ -28,11 +28,15 @@ def triangulated(kind: str, length: float, width: float, cells: int) -> tuple[np
         angle = np.radians(float(kind.split()[-1])) if "turned" in kind else 0.0
         inner = _equilateral(edge, angle, length, width)
     points = np.concatenate([border, inner])
-    triangles = Delaunay(points).simplices
+    return points, _facing_up(points, Delaunay(points).simplices, edge)
+
+
+def _facing_up(points: np.ndarray, triangles: np.ndarray, edge: float) -> np.ndarray:
+    """All in the same sense, without those that have no area."""
     one, other = (points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2))
     area = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
     triangles[area < 0] = triangles[area < 0][:, [0, 2, 1]]
-    return points, triangles[np.abs(area) > 1e-9 * edge**2]
+    return triangles[np.abs(area) > 1e-9 * edge**2]
 
 
 def _right(cells: int, across: int, *, in_turns: bool) -> np.ndarray:
@@ -52,6 +56,24 @@ def _equilateral(edge: float, angle: float, length: float, width: float) -> np.n
     points = flat @ turn.T + [length / 2, width / 2]
     room = np.minimum(points, [length, width] - points).min(axis=1)
     return points[room > edge / 2]
+
+
+def disc(kind: str, radius: float, edge: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points in the plane [m], shape [n, 2], and triangles, shape [t, 3], of a disc around 0."""
+    from scipy.spatial import Delaunay
+
+    turn = np.linspace(0, 2 * np.pi, round(2 * np.pi * radius / edge), endpoint=False)
+    if "turned" in kind or kind == "aligned":
+        angle = np.radians(float(kind.split()[-1])) if "turned" in kind else 0.0
+        inner = _equilateral(edge, angle, 2 * radius, 2 * radius) - radius
+    else:
+        steps = np.arange(-np.ceil(radius / edge), np.ceil(radius / edge) + 1) * edge
+        inner = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        if kind == "irregular":
+            inner = inner + np.random.default_rng(0).uniform(-0.3, 0.3, inner.shape) * edge
+    inner = inner[np.linalg.norm(inner, axis=1) < radius - 0.6 * edge]
+    points = np.concatenate([radius * np.column_stack([np.cos(turn), np.sin(turn)]), inner])
+    return points, _facing_up(points, Delaunay(points).simplices, edge)
 
 
 def with_clamp(points: np.ndarray, triangles: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
