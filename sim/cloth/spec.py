@@ -104,13 +104,19 @@ class FabricSettings(Settings):
     weft_bending: BendStiffness | None = None
     """The same along the weft."""
     bias_bending: BendStiffness | None = None
-    """The same at 45 degrees to both [N m]; by default their mean. More than half of it."""
+    """The same at 45 degrees to both [N m]; by default their mean, and at least half of that."""
     damping_time: Delay = 0.0001
     """Stress by the rate of strain over that by strain [s]: a swing of f [Hz] has the damping ratio pi f times it."""
     bend_damping_time: Delay = 0.001
     """The same for bending."""
     warp: Direction = (1.0, 0.0, 0.0)
     """Direction of the warp in the sheet's own axes, as it is before `rotation`; of a mesh, laid on each triangle."""
+
+    @model_validator(mode="after")
+    def _has_a_warp(self) -> Self:
+        if sum(component * component for component in self.warp) < 1e-12:
+            raise ValueError("warp must not be zero: give a direction, as [1, 0, 0]")
+        return self
 
 
 class ClothSheet(Placement):

@@ -122,6 +122,7 @@ def test_nothing_passes_through_it(integrator):
         ({"fabric": {"warp_stiffness": 0}}, "warp_stiffness"),
         ({"fabric": {"bias_bending": 0}}, "bias_bending"),
         ({"fabric": {"damping_time": -1}}, "damping_time"),
+        ({"fabric": {"warp": [0, 0, 0]}}, "warp must not be zero"),
         ({"fabric": "silk"}, "denim"),
     ],
 )
