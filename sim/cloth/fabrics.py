@@ -1,9 +1,9 @@
 """Fabrics by name, with values that were measured.
 
 Wang et al. 2011: samples of ten fabrics, of which one has no positive definite stiffness while it is not yet stretched,
-and is left out. Ours are their values without stretch and
-without curvature: K11, K12, K22 and K33 per width, K33 by the strain e_uv, which is half of the angle, and the bending
-stiffness of strips at 0, 45 and 90 degrees. Warp is their direction v: the stiffer one of the jeans.
+and is left out. Ours are their values without stretch and without curvature: K11, K12, K22 and K33 per width, K33 by
+the strain e_uv, which is half of the angle, and the bending stiffness of strips at 0, 45 and 90 degrees. Warp is their
+direction v: the stiffer one of the jeans.
 """
 
 from __future__ import annotations

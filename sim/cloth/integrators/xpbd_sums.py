@@ -32,7 +32,7 @@ def _change(
 
 
 @ti.func
-def _predict(
+def predict_point(
     airy: ti.template(),
     i: ti.i32,
     dt: ti.f64,
@@ -117,7 +117,7 @@ def substeps_alone(
     ti.loop_config(serialize=True)
     for now in range(number):
         for i in range(cloth.point_count):
-            _predict(airy, i, dt, number - now, cloth.gravity, cloth.wind, cloth, cloth, motion)
+            predict_point(airy, i, dt, number - now, cloth.gravity, cloth.wind, cloth, cloth, motion)
         for k in range(cloth.spring_count):
             multipliers.spring_multiplier[k] = 0.0
         for k in range(cloth.hinge_count):
@@ -161,7 +161,7 @@ def predict(
     """Take points to where they would go without springs, held ones on towards their targets, and begin with
     multipliers of zero."""
     for i in range(points):
-        _predict(airy, i, dt, left, gravity, wind, p, d, motion)
+        predict_point(airy, i, dt, left, gravity, wind, p, d, motion)
     for k in range(springs):
         multipliers.spring_multiplier[k] = 0.0
     for k in range(hinges):

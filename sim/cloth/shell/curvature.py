@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from scene.settings import Refused
-from sim.cloth.shell.membrane import warp_on
+from sim.cloth.shell.membrane import normals_at_points, warp_on
 from sim.cloth.spec import ClothSheet
 
 LEAST = 0.5
@@ -172,10 +172,7 @@ def _directions(
         turn, at = turn + corners.angle[at] * flat[corners.point[at]], corners.next[at]
         on = (at >= 0) & (at != begin)
         at, turn, begin = at[on], turn[on], begin[on]
-    normal = np.zeros((count, 3))
-    faces = np.cross(*(points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2)))
-    np.add.at(normal, triangles.ravel(), np.repeat(faces, 3, axis=0))
-    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    normal = normals_at_points(points, triangles)
     along = warp_on(normal, warp)
     edge = points[corners.beside[first]] - points[corners.point[first]]
     own = corners.point[first]

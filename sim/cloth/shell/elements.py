@@ -70,9 +70,8 @@ def pulling(s: vec3) -> vec3:
 
 
 @ti.func
-def _widening(u: ti.f64, v: ti.f64, t: ti.i32, trial: ti.template()) -> vec3:
-    """How the area over that at rest grows as a corner goes on [1/m]."""
-    warp, weft, normal = trial.along_warp[t], trial.along_weft[t], trial.shell_normal[t]
+def widening(u: ti.f64, v: ti.f64, warp: vec3, weft: vec3, normal: vec3) -> vec3:
+    """How the area over that at rest grows as a corner goes on whose slopes are u and v [1/m]."""
     return u * weft.cross(normal) + v * normal.cross(warp)
 
 
@@ -80,23 +79,25 @@ def _widening(u: ti.f64, v: ti.f64, t: ti.i32, trial: ti.template()) -> vec3:
 def corner_force(t: ti.i32, k: ti.i32, shell: ti.template(), trial: ti.template()) -> vec3:
     """What a triangle does to one of its corners by stretching [N]."""
     u, v, s = shell.warp_slope[t][k], shell.weft_slope[t][k], trial.stress[t]
-    warp, weft = trial.along_warp[t], trial.along_weft[t]
+    warp, weft, normal = trial.along_warp[t], trial.along_weft[t], trial.shell_normal[t]
     pull = u * (s[0] * warp + s[2] * weft) + v * (s[2] * warp + s[1] * weft)
-    return -shell.rest_area[t] * (pull + trial.stiffening[t][0] * _widening(u, v, t, trial))
+    return -shell.rest_area[t] * (pull + trial.stiffening[t][0] * widening(u, v, warp, weft, normal))
 
 
 @ti.func
 def corner_block(t: ti.i32, k: ti.i32, m: ti.i32, shell: ti.template(), trial: ti.template()) -> mat3:
     """How the force on corner k of a triangle falls as corner m goes on [N/m], without what is negative."""
     uk, vk, um, vm = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.warp_slope[t][m], shell.weft_slope[t][m]
-    warp, weft, law = trial.along_warp[t], trial.along_weft[t], trial.stiffening[t]
-    c, p = law[2] * shell.modulus[t], trial.pulling_stress[t]
+    warp, weft, normal = trial.along_warp[t], trial.along_weft[t], trial.shell_normal[t]
+    law, p = trial.stiffening[t], trial.pulling_stress[t]
+    c = law[2] * shell.modulus[t]
     found = c[0] * uk * um * warp.outer_product(warp) + c[1] * vk * vm * weft.outer_product(weft)
     found += c[2] * (uk * vm * warp.outer_product(weft) + vk * um * weft.outer_product(warp))
     found += law[2] * shell.shear_modulus[t] * (uk * weft + vk * warp).outer_product(um * weft + vm * warp)
     pull = p[0] * uk * um + p[1] * vk * vm + p[2] * (uk * vm + vk * um)
     found += pull * mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    found += law[1] * _widening(uk, vk, t, trial).outer_product(_widening(um, vm, t, trial))
+    one, other = widening(uk, vk, warp, weft, normal), widening(um, vm, warp, weft, normal)
+    found += law[1] * one.outer_product(other)
     return shell.rest_area[t] * found
 
 
@@ -142,6 +143,22 @@ def bending_energy(i: ti.i32, kinds: mat3, along: vec3, shell: ti.template()) ->
     flat, rest = shell.flat_at_rest[i], shell.rest_curvature[i]
     squares = flat * (kinds * kinds).sum() + (1.0 - flat) * along.norm_sqr()
     return 0.5 * (squares + rest.norm_sqr()) - rest.dot(along)
+
+
+@ti.func
+def set_moments(
+    i: ti.i32, kinds: mat3, unit: vec3, size: ti.f64, moment: vec3, shell: ti.template(), trial: ti.template()
+):
+    """Keep the moments around a point: `moment` [J^0.5] along its normal, which is `unit`, or 0 where `size` is, the
+    length of `normal_at`; and what turns the normal."""
+    whole = shell.flat_at_rest[i] * kinds + moment.outer_product(unit)
+    trial.warp_moment[i] = vec3(whole[0, 0], whole[0, 1], whole[0, 2])
+    trial.weft_moment[i] = vec3(whole[1, 0], whole[1, 1], whole[1, 2])
+    trial.twist_moment[i] = vec3(whole[2, 0], whole[2, 1], whole[2, 2])
+    trial.normal_push[i] = vec3(0.0, 0.0, 0.0)
+    if size > 0.0:
+        lean = kinds.transpose() @ moment
+        trial.normal_push[i] = (lean - unit.dot(lean) * unit) / size
 
 
 @ti.func

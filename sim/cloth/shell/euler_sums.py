@@ -8,6 +8,7 @@ from sim.cloth.shell.elements import (
     frame,
     normal_at,
     normal_rate_at,
+    set_moments,
     shell_force,
     strain,
     strain_rate,
@@ -39,16 +40,8 @@ def _bend(i: ti.i32, p: ti.template(), shell: ti.template(), trial: ti.template(
         unit = normal / size
         turning = normal_rate_at(i, shell, p.position, p.velocity)
         rate = bent(i, shell, p.velocity) @ unit + kinds @ ((turning - unit.dot(turning) * unit) / size)
-    flat = shell.flat_at_rest[i]
-    moment = (1.0 - flat) * (kinds @ unit) + shell.bend_delay[i] * rate - shell.rest_curvature[i]
-    whole = flat * kinds + moment.outer_product(unit)
-    trial.warp_moment[i] = vec3(whole[0, 0], whole[0, 1], whole[0, 2])
-    trial.weft_moment[i] = vec3(whole[1, 0], whole[1, 1], whole[1, 2])
-    trial.twist_moment[i] = vec3(whole[2, 0], whole[2, 1], whole[2, 2])
-    lean = kinds.transpose() @ moment
-    trial.normal_push[i] = vec3(0.0, 0.0, 0.0)
-    if size > 0.0:
-        trial.normal_push[i] = (lean - unit.dot(lean) * unit) / size
+    moment = (1.0 - shell.flat_at_rest[i]) * (kinds @ unit) + shell.bend_delay[i] * rate - shell.rest_curvature[i]
+    set_moments(i, kinds, unit, size, moment, shell, trial)
 
 
 @ti.func

@@ -79,6 +79,13 @@ def moduli(sheet: ClothSheet) -> tuple[np.ndarray, float]:
     return np.append(whole - barrier, fabric.shear_stiffness), barrier
 
 
+def normals_at_points(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Unit normals at points, of the areas of the triangles around them, shape [n, 3]; 0 where there is none."""
+    normal, faces = np.zeros((len(points), 3)), [points[triangles[:, k]] - points[triangles[:, 0]] for k in (1, 2)]
+    np.add.at(normal, triangles.ravel(), np.repeat(np.cross(*faces), 3, axis=0))
+    return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+
+
 def warp_on(normal: np.ndarray, warp: np.ndarray) -> np.ndarray:
     """The direction of the warp in planes across the normals, shape [n, 3]; where that stands upright, another one."""
     flat = warp - (normal @ warp)[:, None] * normal

@@ -14,6 +14,7 @@ from sim.cloth.shell.elements import (
     frame,
     normal_at,
     pulling,
+    set_moments,
     shell_force,
     strain,
     stress_of,
@@ -75,16 +76,8 @@ def assess(
             unit = normal / size
             along = kinds @ unit
         since = along - trial.curvature_before[i]
-        flat = shell.flat_at_rest[i]
-        moment = (1.0 - flat) * along + slow * since - rest
-        whole = flat * kinds + moment.outer_product(unit)
-        trial.warp_moment[i] = vec3(whole[0, 0], whole[0, 1], whole[0, 2])
-        trial.weft_moment[i] = vec3(whole[1, 0], whole[1, 1], whole[1, 2])
-        trial.twist_moment[i] = vec3(whole[2, 0], whole[2, 1], whole[2, 2])
-        lean = kinds.transpose() @ moment
-        trial.normal_push[i] = vec3(0.0, 0.0, 0.0)
-        if size > 0.0:
-            trial.normal_push[i] = (lean - unit.dot(lean) * unit) / size
+        moment = (1.0 - shell.flat_at_rest[i]) * along + slow * since - rest
+        set_moments(i, kinds, unit, size, moment, shell, trial)
         stored = bending_energy(i, kinds, along, shell)
         energy_term[first + triangles + i] = stored + 0.5 * slow * since.norm_sqr()
 

@@ -11,7 +11,7 @@ from sim.cloth.fabric.fabric import edges_of
 from sim.cloth.fabric.rows import BendingRows
 from sim.cloth.shell.curvature import Bending
 from sim.cloth.shell.layout import ShellRest
-from sim.cloth.shell.membrane import Membrane
+from sim.cloth.shell.membrane import Membrane, normals_at_points
 from sim.cloth.shell.sheet import SheetShell
 
 if TYPE_CHECKING:
@@ -82,10 +82,7 @@ class Shell:
 
     def normals(self, places: np.ndarray) -> np.ndarray:
         """Unit normals at points, shape [n, 3]."""
-        corners, normal = self.membrane.corners, np.zeros((self.count, 3))
-        faces = np.cross(*(places[corners[:, k]] - places[corners[:, 0]] for k in (1, 2)))
-        np.add.at(normal, corners.ravel(), np.repeat(faces, 3, axis=0))
-        return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+        return normals_at_points(places, self.membrane.corners)
 
     def on_device(self) -> ShellRest:
         """All of it for kernels."""

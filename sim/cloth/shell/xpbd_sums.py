@@ -12,9 +12,9 @@ one sweep leaves them far from their solution. What damps so strongly that it cr
 from typing import Any
 
 from sim.cloth.contact.projection import mobility
-from sim.cloth.fabric.air_drag import braked
 from sim.cloth.fabric.layout import Drag, Points, StepMotion
-from sim.cloth.shell.elements import barrier, frame, normal_at, strain, strain_rate
+from sim.cloth.integrators.xpbd_sums import predict_point
+from sim.cloth.shell.elements import barrier, frame, normal_at, strain, strain_rate, widening
 from sim.cloth.shell.layout import ShellRest
 from sim.device.argument_packs import argpack
 from sim.device.compiler import ti
@@ -42,8 +42,8 @@ def predict(
     multipliers: ShellMultipliers,
     motion: StepMotion,
 ):
-    """Begin a substep: take points to where they would go by themselves; `left`: substeps until
-    held points are at their targets."""
+    """Begin a substep: take points to where they would go by themselves; `left`: substeps until held points are at
+    their targets."""
     for t in range(triangles):
         multipliers.stress_multiplier[t] = vec3(0.0, 0.0, 0.0)
         multipliers.area_multiplier[t] = 0.0
@@ -51,15 +51,7 @@ def predict(
         for kind in ti.static(range(3)):
             multipliers.bend_multiplier[3 * i + kind] = vec3(0.0, 0.0, 0.0)
     for i in range(points):
-        x = p.position[i]
-        motion.before[i] = x
-        if p.mobile[i]:
-            v = p.velocity[i] + dt * gravity
-            if ti.static(airy):
-                v = braked(i, p.mass[i], dt, p.mass[i] * v, wind, d)
-            p.position[i] = x + dt * v
-        else:
-            p.position[i] = x + (motion.target[i] - x) / ti.cast(left, ti.f64)
+        predict_point(airy, i, dt, left, gravity, wind, p, d, motion)
 
 
 @ti.func
@@ -74,6 +66,16 @@ def _slopes(t: ti.i32, k: ti.template(), f: ti.template(), shell: ti.template())
     u, v = shell.warp_slope[t][k], shell.weft_slope[t][k]
     one, other, both = u * f.warp, v * f.weft, u * f.weft + v * f.warp
     return mat3([[one[0], one[1], one[2]], [other[0], other[1], other[2]], [both[0], both[1], both[2]]])
+
+
+@ti.func
+def _inverse_mass(t: ti.i32, f: ti.template(), p: ti.template(), shell: ti.template()) -> mat3:
+    """How the three strains give way to impulses along them [1/(kg m^2)]."""
+    found = ti.Matrix.zero(ti.f64, 3, 3)
+    for k in ti.static(range(3)):
+        rows, w = _slopes(t, k, f, shell), mobility(p, shell.shell_corner[3 * t + k])
+        found += w * rows @ rows.transpose()
+    return found
 
 
 @ti.kernel
@@ -94,12 +96,8 @@ def project_strains(
         soft = 1.0 / (dt * dt)
         stiff = shell.rest_area[t] * _stiffness(t, shell)
         unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-        met = ti.Matrix.zero(ti.f64, 3, 3)
-        for k in ti.static(range(3)):
-            rows, w = _slopes(t, k, f, shell), mobility(p, shell.shell_corner[3 * t + k])
-            met += w * rows @ rows.transpose()
         push = stiff @ e + soft * multipliers.stress_multiplier[t]
-        change = -(stiff @ met + soft * unit).inverse() @ push
+        change = -(stiff @ _inverse_mass(t, f, p, shell) + soft * unit).inverse() @ push
         multipliers.stress_multiplier[t] += change
         for k in ti.static(range(3)):
             i = shell.shell_corner[3 * t + k]
@@ -109,12 +107,12 @@ def project_strains(
         over = ti.cast(0.0, ti.f64)
         for k in ti.static(range(3)):
             u, v, w = shell.warp_slope[t][k], shell.weft_slope[t][k], mobility(p, shell.shell_corner[3 * t + k])
-            over += w * (u * f.weft.cross(f.normal) + v * f.normal.cross(f.warp)).norm_sqr()
+            over += w * widening(u, v, f.warp, f.weft, f.normal).norm_sqr()
         spread = -(law[1] + soft * multipliers.area_multiplier[t]) / (law[2] * over + soft)
         multipliers.area_multiplier[t] += spread
         for k in ti.static(range(3)):
             u, v, i = shell.warp_slope[t][k], shell.weft_slope[t][k], shell.shell_corner[3 * t + k]
-            p.position[i] += mobility(p, i) * spread * (u * f.weft.cross(f.normal) + v * f.normal.cross(f.warp))
+            p.position[i] += mobility(p, i) * spread * widening(u, v, f.warp, f.weft, f.normal)
 
 
 @ti.kernel
@@ -162,11 +160,9 @@ def damp_strains(first: ti.i32, last: ti.i32, dt: ti.f64, order: Integers, p: Po
         f = frame(t, shell, p.position)
         unit = mat3([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
         slow = dt * shell.stretch_delay[t] * shell.rest_area[t] * _stiffness(t, shell)
-        met = ti.Matrix.zero(ti.f64, 3, 3)
-        for k in ti.static(range(3)):
-            rows, w = _slopes(t, k, f, shell), mobility(p, shell.shell_corner[3 * t + k])
-            met += w * rows @ rows.transpose()
-        impulse = -(unit + slow @ met).inverse() @ (slow @ strain_rate(t, f, shell, p.velocity))
+        impulse = -(unit + slow @ _inverse_mass(t, f, p, shell)).inverse() @ (
+            slow @ strain_rate(t, f, shell, p.velocity)
+        )
         for k in ti.static(range(3)):
             i = shell.shell_corner[3 * t + k]
             p.velocity[i] += mobility(p, i) * (_slopes(t, k, f, shell).transpose() @ impulse)
